@@ -1,0 +1,11 @@
+// The Python extension implicitrt._core: thin bindings, one file per layer.
+#include "bindings/bindings.h"
+
+PYBIND11_MODULE(_core, m) {
+  m.doc() = "C++ core of implicitrt; use the package, not this module.";
+  irt::bindings::bind_errors(m);
+  irt::bindings::bind_expr(m);
+  irt::bindings::bind_numerics(m);
+  irt::bindings::bind_device(m);
+  irt::bindings::bind_render(m);
+}

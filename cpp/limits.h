@@ -1,0 +1,32 @@
+// Every cap of the library in one place. Past a cap the answer is a LimitError that names it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace irt::limits {
+
+// Distinct nodes of one expression; a model of thousands of operations fits many times over.
+inline constexpr std::size_t kNodes = 200'000;
+// Nesting depth that `parse` accepts; trees built by operators may be deeper, all walks are iterative.
+inline constexpr std::size_t kParseDepth = 256;
+// Characters of one formula handed to `parse`.
+inline constexpr std::size_t kFormulaLength = 1 << 20;
+// Characters of one identifier.
+inline constexpr std::size_t kIdentifierLength = 64;
+// Bits in the numerator or denominator of a folded number; larger powers of numbers stay unevaluated or are refused.
+inline constexpr std::size_t kNumberBits = 1 << 16;
+// Terms that `expand` may produce.
+inline constexpr std::size_t kExpandTerms = 200'000;
+// Largest |n| of an integer power that a kernel unrolls.
+inline constexpr long kExponent = 1'000'000;
+// Operations of one program: beyond this the OpenCL compilers need minutes.
+inline constexpr std::size_t kOperations = 10'000;
+// Bytes of one generated source.
+inline constexpr std::size_t kSourceBytes = 8u << 20;
+// Pixels of one frame (64 Mpx) and rays of one batch.
+inline constexpr std::uint64_t kPixels = 1ull << 26;
+// Parameters of one formula.
+inline constexpr std::size_t kParameters = 256;
+
+}  // namespace irt::limits
