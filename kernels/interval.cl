@@ -1,0 +1,68 @@
+// Interval arithmetic (S1 section 4.2, algorithm 1): sums, products, squares, reciprocals of the whole line.
+//
+// Deviations from S1: every end is rounded outward (IRT_OUTWARD), and `min`/`max` take the place of their NaN-aware
+// cousins, with NaN excluded beforehand (IRT_INFINITE).
+
+typedef struct {
+  F lo, hi;
+} IA;
+
+static inline IA ia(F lo, F hi) {
+  IA r;
+  r.lo = lo;
+  r.hi = hi;
+  return r;
+}
+
+// A value known exactly.
+static inline IA ia_point(F v) { return ia(v, v); }
+
+// Rounds two computed ends outward by k ulp.
+#define IA_OUT(l, h, k) ia(LOWER(CAP_LOWER(l), k), UPPER(CAP_UPPER(h), k))
+
+static inline IA ia_neg(IA a) { return ia(-a.hi, -a.lo); }
+
+static inline IA ia_add(IA a, IA b) { return IA_OUT(a.lo + b.lo, a.hi + b.hi, EXACT_K); }
+
+static inline IA ia_sub(IA a, IA b) { return IA_OUT(a.lo - b.hi, a.hi - b.lo, EXACT_K); }
+
+static inline IA ia_mul(IA a, IA b) {
+  const F p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
+#if IRT_INFINITE
+  const F nan = p + q + r + s;  // nan where any of the four is, or where they have opposite infinities
+  const I odd = ~EQ(nan, nan);
+  const F lo = SELECT(odd, -INF, min(min(p, q), min(r, s))), hi = SELECT(odd, INF, max(max(p, q), max(r, s)));
+#else
+  const F lo = min(min(p, q), min(r, s)), hi = max(max(p, q), max(r, s));
+#endif
+  return IA_OUT(lo, hi, EXACT_K);
+}
+
+// Both factors are never negative.
+static inline IA ia_mul_nonnegative(IA a, IA b) {
+  const F lo = NAN_TO(a.lo * b.lo, (F)0), hi = NAN_TO(a.hi * b.hi, INF);
+  return ia(max(LOWER(CAP_LOWER(lo), EXACT_K), (F)0), UPPER(hi, EXACT_K));
+}
+
+// The range of a * a; never negative (the even-power rule of S1 section 4.2).
+static inline IA ia_sqr(IA a) {
+  const F p = a.lo * a.lo, q = a.hi * a.hi;
+  const F lo = SELECT(LE(a.lo, (F)0) & GE(a.hi, (F)0), (F)0, min(p, q));
+  return ia(max(LOWER(CAP_LOWER(lo), EXACT_K), (F)0), UPPER(max(p, q), EXACT_K));
+}
+
+// c * a for a constant c >= 0 that is known to within k - EXACT_K ulp.
+static inline IA ia_scale(IA a, real c, real k) { return IA_OUT(c * a.lo, c * a.hi, k); }
+
+// a + [lo, hi] for a constant.
+static inline IA ia_shift(IA a, real lo, real hi) { return IA_OUT(a.lo + lo, a.hi + hi, EXACT_K); }
+
+static inline IA ia_abs(IA a) {
+  const I through = LE(a.lo, (F)0) & GE(a.hi, (F)0);
+  const F p = fabs(a.lo), q = fabs(a.hi);
+  return ia(SELECT(through, (F)0, min(p, q)), max(p, q));
+}
+
+static inline IA ia_min(IA a, IA b) { return ia(min(a.lo, b.lo), min(a.hi, b.hi)); }
+
+static inline IA ia_max(IA a, IA b) { return ia(max(a.lo, b.lo), max(a.hi, b.hi)); }

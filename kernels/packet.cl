@@ -1,0 +1,65 @@
+// Packets: one work-item carries W rays, one per lane, of `real` (float or double).
+//
+// The generated header before this file defines W, the types real, F (W reals), I (W integers of the same size, used
+// as masks: all bits set or none), and LOAD, STORE, TO_F, TO_I, TO_BYTES, INDEX, IRT_DOUBLE. Every other kernel file
+// is written with the macros below and never for one width. A GPU runs the same source with W = 1.
+#pragma OPENCL FP_CONTRACT OFF
+
+#if W == 1
+#define MASK(c) (-(I)(c))
+#define SELECT(m, a, b) ((m) ? (a) : (b))
+#define ANY(m) ((m) != 0)
+#else
+#define MASK(c) (c)
+#define SELECT(m, a, b) select(b, a, m)
+#define ANY(m) any(m)
+#endif
+
+#define LT(a, b) MASK((a) < (b))
+#define LE(a, b) MASK((a) <= (b))
+#define GT(a, b) MASK((a) > (b))
+#define GE(a, b) MASK((a) >= (b))
+#define EQ(a, b) MASK((a) == (b))
+#define NONE ((I)0)
+#define ALL ((I)-1)
+
+#if IRT_DOUBLE
+#define R(x) x
+#define ULP 0x1p-52     // spacing of reals just above 1
+#define TINY 0x1p-1022  // least normal real: what an operation can lose to underflow
+#define HUGE_REAL 0x1.fffffffffffffp+1023
+#define PI_LO 0x1.921fb54442d18p+1
+#define PI_HI 0x1.921fb54442d19p+1
+#else
+#define R(x) x##f
+#define ULP 0x1p-23f
+#define TINY 0x1p-126f
+#define HUGE_REAL 0x1.fffffep+127f
+#define PI_LO 0x1.921fb4p+1f
+#define PI_HI 0x1.921fb6p+1f
+#endif
+#define UNIT (R(0.5) * ULP)  // the largest relative error of one rounding
+#define INF ((F)INFINITY)
+
+// Outward rounding by multiplication: the computed v lies within k ulp of the exact value, one ulp of the pad itself
+// included, so LOWER(v, k) is below it and UPPER(v, k) above. `nextafter` would compile four times slower.
+#if IRT_OUTWARD
+#define LOWER(v, k) ((v) - fma(fabs(v), (F)((k) * ULP), (F)TINY))
+#define UPPER(v, k) ((v) + fma(fabs(v), (F)((k) * ULP), (F)TINY))
+#else
+#define LOWER(v, k) (v)
+#define UPPER(v, k) (v)
+#endif
+#define EXACT_K R(1.5)  // pad of correctly rounded operations: + - * fma, half an ulp and the pad's own rounding
+
+// Where values can become infinite (IRT_INFINITE): a lower end is never +inf and an upper end never -inf, so that no
+// sum is inf - inf; and the 0 * inf of a product, which min and max would drop at random, becomes the whole line.
+#if IRT_INFINITE
+#define CAP_LOWER(v) min(v, (F)HUGE_REAL)
+#define CAP_UPPER(v) max(v, (F)-HUGE_REAL)
+#define NAN_TO(v, w) SELECT(EQ(v, v), v, w)
+#else
+#define CAP_LOWER(v) (v)
+#define CAP_UPPER(v) (v)
+#define NAN_TO(v, w) (v)
+#endif
