@@ -21,9 +21,9 @@ static inline F ra_rad(RA a) { return fabs(a.y) + a.z; }
 
 static inline RA ra_point(F v) { return ra(v, (F)0, (F)0); }
 
-// A form whose x, y and z were each computed with one rounding.
+// A form whose x, y and z were each computed with one rounding: half an ulp of each, half an ulp of the sum itself.
 #if IRT_OUTWARD
-#define RA_ROUNDED(x, y, z) ra(x, y, fma((F)ULP, fabs(x) + fabs(y) + (z), z))
+#define RA_ROUNDED(x, y, z) ra(x, y, fma((F)(R(1.5) * ULP), fabs(x) + fabs(y) + (z), z))
 #else
 #define RA_ROUNDED(x, y, z) ra(x, y, z)
 #endif
@@ -46,7 +46,7 @@ static inline RA ra_mul(RA a, RA b) {
 #if IRT_OUTWARD
   const F z = fma(ra_, rb, fma(ax, b.z, fma(bx, a.z, (F)TINY)));
   const F rest = fma(ax + ra_, rb, ra_ * bx);  // all of |a||b| but |x|
-  return ra(x, y, fma((F)(R(4.0) * ULP), rest, fma((F)ULP, fabs(x), z)));
+  return ra(x, y, fma((F)(R(6.0) * ULP), rest, fma((F)ULP, fabs(x), z)));
 #else
   return ra(x, y, fma(ra_, rb, fma(ax, b.z, bx * a.z)));
 #endif
@@ -58,7 +58,7 @@ static inline RA ra_sqr(RA a) {
   const F x = fma(a.x, a.x, h), y = two * a.y;
 #if IRT_OUTWARD
   const F z = fma(fabs(two), a.z, h + (F)TINY);
-  return ra(x, y, fma((F)(R(4.0) * ULP), fma(fabs(two), r, h), fma((F)ULP, x, z)));
+  return ra(x, y, fma((F)(R(6.0) * ULP), fma(fabs(two), r, h), fma((F)ULP, x, z)));
 #else
   return ra(x, y, fma(fabs(two), a.z, h));
 #endif
@@ -78,7 +78,7 @@ static inline RA ra_scale(RA a, real c, real k) {
 static inline RA ra_shift(RA a, real c, real error) {
   const F x = a.x + c;
 #if IRT_OUTWARD
-  return ra(x, a.y, fma((F)ULP, fabs(x) + a.z, a.z + error));
+  return ra(x, a.y, fma((F)(R(1.5) * ULP), fabs(x) + a.z, a.z + error));
 #else
   return ra(x, a.y, a.z);
 #endif

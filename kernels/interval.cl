@@ -66,3 +66,12 @@ static inline IA ia_abs(IA a) {
 static inline IA ia_min(IA a, IA b) { return ia(min(a.lo, b.lo), min(a.hi, b.hi)); }
 
 static inline IA ia_max(IA a, IA b) { return ia(max(a.lo, b.lo), max(a.hi, b.hi)); }
+
+// a ** n by a generated chain of products `power`. A chain for a ** n loses at most n - 1 roundings, and underflow on the
+// way is underflow of the result; k = n / 2 + 1 covers both and the pad. Even powers depend on |a| alone (S1 4.2).
+#define IA_POWER_EVEN(a, power, k) ia_power_even(power(ia_abs(a).lo), power(ia_abs(a).hi), k)
+#define IA_POWER_ODD(a, power, k) IA_OUT(power((a).lo), power((a).hi), k)
+
+static inline IA ia_power_even(F lo, F hi, real k) {
+  return ia(max(LOWER(CAP_LOWER(lo), k), (F)0), UPPER(hi, k));
+}

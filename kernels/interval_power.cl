@@ -1,4 +1,4 @@
-// Real powers of intervals. Integer powers are generated as chains of products, one function per exponent.
+// Real powers of intervals; x ** e is defined for x >= 0 (x > 0 where e < 0).
 
 // a ** e for a constant exponent e in [elo, ehi] that is not an integer: defined for a >= 0 (a > 0 where e < 0).
 // x ** e grows with e where x > 1 and falls where x < 1, so each end takes the exponent's end that is on the safe side.

@@ -48,6 +48,8 @@ static inline TRI tri_less_equal(IA a, IA b) { return tri(LE(a.hi, b.lo), GT(a.l
 static inline TRI tri_equal(IA a, IA b) {
   return tri(EQ(a.lo, b.hi) & EQ(a.hi, b.lo), LT(a.hi, b.lo) | GT(a.lo, b.hi));
 }
+// Where `unsure`, the condition decides nothing.
+static inline TRI tri_unless(TRI a, I unsure) { return tri(a.yes & ~unsure, a.no & ~unsure); }
 static inline TRI tri_not(TRI a) { return tri(a.no, a.yes); }
 static inline TRI tri_and(TRI a, TRI b) { return tri(a.yes & b.yes, a.no | b.no); }
 static inline TRI tri_or(TRI a, TRI b) { return tri(a.yes | b.yes, a.no & b.no); }

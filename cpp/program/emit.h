@@ -1,0 +1,32 @@
+// Emitters: programs to OpenCL C functions, one emitter for each algebra.
+//
+// The functions use only the macros of kernels/packet.cl, so that one text serves all packet widths and precisions of
+// one `real`. User text never reaches the source but in comments, after the identifier rule.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "program/program.h"
+
+namespace irt::program {
+
+enum class Precision { Single, Double };
+
+// A generated function and the library files that it calls.
+struct Emitted {
+  std::string source;
+  std::set<std::string> files;
+};
+
+// static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough)
+Emitted emit_interval(const Program& program, Precision precision);
+
+// static inline RA irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough)
+Emitted emit_affine(const Program& program, Precision precision);
+
+// static inline F irt_gradient(F x, F y, F z PARAMETERS, F* gx, F* gy, F* gz): the value, and the exact gradient by
+// reverse accumulation.
+Emitted emit_gradient(const Program& program, Precision precision);
+
+}  // namespace irt::program

@@ -1,0 +1,24 @@
+// Masks that go along with enclosures: where a value is undefined (u) and where it may be undefined or jump (r).
+// Only values whose operators can do so have masks; most programs have none.
+#pragma once
+
+#include <string>
+
+#include "program/emit.h"
+
+namespace irt::program {
+
+// Appends the statements of an operator that reports masks, or of a condition, or of a choice, for intervals; a, b, c
+// are the operands as text, and results are named with the prefix. False where the instruction is of another kind, and nothing is appended.
+bool emit_masked(const Program& program, Value v, const std::string& a, const std::string& b, const std::string& c,
+                 Precision precision, char prefix, std::string& text);
+
+// Appends the masks that v inherits from its operands.
+void emit_inherited(const Program& program, Value v, std::string& text);
+
+// The statements that hand the masks of the result to the caller.
+std::string finish_masks(const Program& program);
+
+bool is_condition(Code code);
+
+}  // namespace irt::program

@@ -1,0 +1,92 @@
+// Straight-line programs in static single assignment: what an expression becomes before kernels are emitted from it.
+//
+// Every value is computed once (common subexpressions are shared), and sums, quotients and powers have the form that
+// inclusion arithmetic likes best: squares and even powers are kept, constants are folded into scales and shifts.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "expr/expr.h"
+#include "numerics/constant.h"
+
+namespace irt::program {
+
+enum class Code : std::uint8_t {
+  Constant,    // value
+  Coordinate,  // index 0, 1, 2: x, y, z
+  Parameter,   // index into Program::parameters
+  Neg,
+  Add,
+  Sub,
+  Mul,
+  Sqr,
+  Power,  // a ** exponent, exponent >= 3
+  Recip,
+  Div,
+  Sqrt,
+  Cbrt,
+  RealPower,  // a ** value, not an integer; a >= 0
+  Pow,        // a ** b; a >= 0
+  Exp,
+  Log,
+  Sinh,
+  Cosh,
+  Tanh,
+  Sin,
+  Cos,
+  Tan,
+  Asin,
+  Acos,
+  Atan,
+  Atan2,
+  Abs,
+  Sign,
+  Floor,
+  Ceiling,
+  Min,
+  Max,
+  Mod,
+  Select,  // condition ? b : c
+  // Conditions.
+  Less,
+  LessEqual,
+  Equal,
+  And,
+  Or,
+  Not,
+  True,
+  Undefined,  // the value of a Piecewise none of whose conditions holds
+};
+
+using Value = std::int32_t;  // index of an instruction
+
+struct Instruction {
+  Code code = Code::Constant;
+  Value a = -1, b = -1, c = -1;
+  numerics::Bounds value{0, 0};  // Constant; the exponent of RealPower
+  std::int64_t index = 0;        // Coordinate, Parameter; the exponent of Power
+  bool nonnegative = false;      // the value is never below zero
+  bool partial = false;          // the value may be undefined or discontinuous somewhere
+};
+
+struct Program {
+  std::vector<Instruction> code;  // operands come before their users
+  Value result = 0;
+  std::vector<std::string> parameters;  // sorted by name; the isovalue, where asked for, follows them
+
+  const Instruction& operator[](Value v) const { return code[static_cast<std::size_t>(v)]; }
+  bool is_constant(Value v) const { return (*this)[v].code == Code::Constant; }
+};
+
+// The program of f, or of f - isovalue with the isovalue as one more parameter. Symbols other than x, y, z are
+// parameters. Throws LimitError past limits::kOperations.
+Program lower(const Expr& f, bool isovalue = false);
+
+// An upper bound of the magnitude of every intermediate value, for interval and affine forms alike, where the
+// coordinates stay below `coordinates` and the parameters below `parameters`; infinity where a value has no bound
+// (division, log, tan, overflow). Tells which kernels need arithmetic that survives infinities.
+double magnitude(const Program& program, const double coordinates[3], const std::vector<double>& parameters);
+
+}  // namespace irt::program

@@ -1,0 +1,32 @@
+// Pieces of text that all emitters share.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "program/emit.h"
+
+namespace irt::program {
+
+// A real literal that reads back as exactly v (v is representable in the precision of the kernel).
+std::string literal(double v);
+
+// The nearest real of the precision, and the two around an enclosure.
+double nearest(const numerics::Bounds& b, Precision precision);
+numerics::Bounds outward(const numerics::Bounds& b, Precision precision);
+
+// Replaces $a $b $c $r $v.
+std::string fill(std::string_view pattern, const std::string& a, const std::string& b, const std::string& c,
+                 const std::string& r, const std::string& v = {});
+
+// Statements that compute base ** n into `result` by squaring and multiplying; names are prefixed by `result`.
+std::string power_chain(const std::string& base, long n, const std::string& result);
+
+// "static inline F power_<n>(F a) { ... }"
+std::string power_function(long n);
+
+// The name of a value in generated code, "v12"; "q12" is its range where forms and ranges stand side by side.
+std::string name(Value v, char prefix = 'v');
+std::string mask(char kind, Value v);
+
+}  // namespace irt::program
