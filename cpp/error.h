@@ -21,7 +21,7 @@ struct ArgumentError : Error {
   using Error::Error;
 };
 
-// A cap (limits.h) is exceeded; names the cap and the value.
+// A cap (caps.h) is exceeded; names the cap and the value.
 struct LimitError : Error {
   using Error::Error;
 };

@@ -1,8 +1,220 @@
-// Bindings of cpp/render.
+// Bindings of cpp/render: requests are dictionaries that python/implicitrt/render.py has checked.
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <cmath>
+
 #include "bindings/bindings.h"
+#include "error.h"
+#include "kernel/assemble.h"
+#include "render/call.h"
+
+namespace py = pybind11;
 
 namespace irt::bindings {
+namespace {
 
-void bind_render(pybind11::module_&) {}
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+template <class T>
+T get(const py::dict& request, const char* key) {
+  return request[key].cast<T>();
+}
+
+glm::dvec3 vector(py::handle h) {
+  const auto v = h.cast<std::array<double, 3>>();
+  return {v[0], v[1], v[2]};
+}
+
+render::Bounds bounds_of(const py::dict& request) {
+  render::Bounds b{vector(request["lower"]), vector(request["upper"]), {}};
+  for (const auto& s : get<std::vector<std::array<double, 4>>>(request, "spheres"))
+    b.balls.push_back({{s[0], s[1], s[2]}, s[3]});
+  return b;
+}
+
+// Asks Python for signals (Ctrl-C) and tells it how far the frame is, with the GIL taken for as long as that needs.
+device::Control control_of(const py::dict& request) {
+  device::Control control;
+  control.cancelled = [] {
+    const py::gil_scoped_acquire gil;
+    return PyErr_Occurred() != nullptr || PyErr_CheckSignals() != 0;
+  };
+  if (request.contains("progress") && !request["progress"].is_none()) {
+    control.progress = [progress = request["progress"].cast<py::function>()](double fraction) {
+      const py::gil_scoped_acquire gil;
+      if (PyErr_Occurred()) return;
+      try {
+        progress(fraction);
+      } catch (py::error_already_set& error) {
+        error.restore();  // the next question for signals sees it
+      }
+    };
+  }
+  if (request.contains("time_limit") && !request["time_limit"].is_none())
+    control.deadline = std::chrono::steady_clock::now() +
+                       std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                           std::chrono::duration<double>(std::min(get<double>(request, "time_limit"), 1e8)));
+  return control;
+}
+
+render::Options options_of(const py::dict& request, const program::Program& program) {
+  render::Options o;
+  o.affine = get<std::string>(request, "algebra") == "raa";
+  o.outward = get<std::string>(request, "rounding") == "outward";
+  const auto precision = get<std::string>(request, "precision");
+  o.precision = precision == "single"   ? render::PrecisionMode::Single
+                : precision == "double" ? render::PrecisionMode::Double
+                                        : render::PrecisionMode::Auto;
+  const auto params = get<py::dict>(request, "params");
+  for (const std::string& name : program.parameters) {
+    if (!params.contains(name.c_str())) throw ArgumentError("parameter '" + name + "' has no value; give it in params");
+    o.parameters.push_back(params[name.c_str()].cast<double>());
+  }
+  if (request.contains("isovalue") && !request["isovalue"].is_none()) o.parameters.push_back(get<double>(request, "isovalue"));
+  return o;
+}
+
+program::Program program_of(const Expr& f, const py::dict& request) {
+  return program::lower(f, request.contains("isovalue") && !request["isovalue"].is_none());
+}
+
+render::Options picture_options(const py::dict& request, const program::Program& program) {
+  render::Options o = options_of(request, program);
+  o.eps = get<double>(request, "eps");
+  if (request.contains("max_pieces")) o.max_pieces = get<int>(request, "max_pieces");
+  const auto want = get<std::set<std::string>>(request, "want");
+  o.normal = want.count("normal") > 0;
+  o.rgb = want.count("rgb") > 0;
+  if (o.rgb) {
+    o.color = get<std::array<double, 3>>(request, "color");
+    o.back_color = get<std::array<double, 3>>(request, "back_color");
+    o.unresolved_color = get<std::array<double, 3>>(request, "unresolved_color");
+    if (!request["background"].is_none()) {
+      const auto b = get<std::array<double, 3>>(request, "background");
+      o.background = {b[0], b[1], b[2], 1};
+    }
+    if (!request["light"].is_none()) o.light = vector(request["light"]);
+  }
+  o.control = control_of(request);
+  return o;
+}
+
+// An array over memory of the core: it owns a share, nothing is copied.
+template <class T>
+py::array view(const render::Memory& memory, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {
+  auto* share = new render::Memory(memory);
+  const py::capsule owner(share, [](void* p) { delete static_cast<render::Memory*>(p); });
+  return py::array_t<T>(std::move(shape), std::move(strides), static_cast<const T*>(memory.data()), owner);
+}
+
+template <class T>
+py::array plane(const render::Answer& a, const render::Memory& memory) {
+  return view<T>(memory, {static_cast<py::ssize_t>(a.rows), static_cast<py::ssize_t>(a.columns)},
+                 {static_cast<py::ssize_t>(a.pitch * sizeof(T)), static_cast<py::ssize_t>(sizeof(T))});
+}
+
+py::dict answer_dict(const render::Answer& a) {
+  py::dict d;
+  const auto rows = static_cast<py::ssize_t>(a.rows), columns = static_cast<py::ssize_t>(a.columns),
+             pitch = static_cast<py::ssize_t>(a.pitch);
+  d["depth"] = a.wide ? plane<double>(a, *a.depth) : plane<float>(a, *a.depth);
+  d["uncertainty"] = a.wide ? plane<double>(a, *a.uncertainty) : plane<float>(a, *a.uncertainty);
+  d["status"] = plane<std::uint8_t>(a, *a.status);
+  if (a.normal) d["normal"] = view<float>(*a.normal, {rows, columns, 3}, {4 * pitch, 4, 4 * pitch * rows});
+  if (a.rgba) d["rgba"] = view<std::uint8_t>(*a.rgba, {rows, columns, 4}, {4 * pitch, 4, 1});
+  d["width"] = a.width;
+  d["engine"] = "kernel";
+  d["builds"] = a.builds;
+  d["escalated"] = a.escalated;
+  d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("kernel") = a.kernel_seconds);
+  d["finished"] = a.outcome == device::Outcome::done;
+  return d;
+}
+
+void raise_if_interrupted(device::Outcome outcome) {
+  if (PyErr_Occurred()) throw py::error_already_set();
+  if (outcome == device::Outcome::cancelled) throw Error("the call was interrupted");
+}
+
+py::dict render_frame(const Expr& f, const py::dict& request) {
+  const program::Program program = program_of(f, request);
+  const render::Options options = picture_options(request, program);
+  const render::Bounds bounds = bounds_of(request);
+  const auto camera = get<py::dict>(request, "camera");
+  render::View view;
+  view.origin = vector(camera["origin"]);
+  view.right = vector(camera["right"]);
+  view.up = vector(camera["up"]);
+  view.forward = vector(camera["forward"]);
+  view.perspective = camera["perspective"].cast<bool>();
+  view.tan_half_fov = view.perspective ? camera["tan_half_fov"].cast<double>() : 0;
+  view.height = view.perspective ? 0 : camera["height"].cast<double>();
+  view.columns = get<int>(request, "width");
+  view.rows = get<int>(request, "height");
+  const auto device = get<std::shared_ptr<device::Device>>(request, "device");
+  render::Answer answer;
+  {
+    const py::gil_scoped_release release;
+    answer = render::render_frame(program, view, bounds, options, *device);
+  }
+  raise_if_interrupted(answer.outcome);
+  return answer_dict(answer);
+}
+
+py::dict trace_rays(const Expr& f, const py::dict& request) {
+  const program::Program program = program_of(f, request);
+  const render::Options options = picture_options(request, program);
+  const render::Bounds bounds = bounds_of(request);
+  const auto origins = get<DoubleArray>(request, "origins"), directions = get<DoubleArray>(request, "directions");
+  const auto tmin = get<DoubleArray>(request, "tmin"), tmax = get<DoubleArray>(request, "tmax");
+  const render::Rays rays{origins.data(), directions.data(), tmin.data(), tmax.data(), static_cast<std::size_t>(tmin.size())};
+  const auto device = get<std::shared_ptr<device::Device>>(request, "device");
+  render::Answer answer;
+  {
+    const py::gil_scoped_release release;
+    answer = render::trace_rays(program, rays, bounds, options, *device);
+  }
+  raise_if_interrupted(answer.outcome);
+  return answer_dict(answer);
+}
+
+py::array_t<double> enclose_pieces(const Expr& f, const py::dict& request) {
+  const program::Program program = program_of(f, request);
+  const render::Options options = options_of(request, program);
+  const auto pieces = get<DoubleArray>(request, "pieces");  // (n, 9)
+  const auto n = static_cast<std::size_t>(pieces.shape(0));
+  const std::span<const std::array<double, 9>> span(reinterpret_cast<const std::array<double, 9>*>(pieces.data()), n);
+  const auto device = get<std::shared_ptr<device::Device>>(request, "device");
+  std::vector<std::array<double, 2>> result;
+  {
+    const py::gil_scoped_release release;
+    result = render::enclose_pieces(program, span, options, *device);
+  }
+  py::array_t<double> out({static_cast<py::ssize_t>(n), static_cast<py::ssize_t>(2)});
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < 2; ++k) out.mutable_at(i, k) = result[i][k];
+  return out;
+}
+
+std::string kernel_source(const Expr& f, const py::dict& request) {
+  const program::Program program = program_of(f, request);
+  const auto device = get<std::shared_ptr<device::Device>>(request, "device");
+  return render::frame_source(program, bounds_of(request), picture_options(request, program), *device);
+}
+
+}  // namespace
+
+void bind_render(py::module_& m) {
+  m.def("set_kernel_directory", &kernel::set_directory, py::arg("path"), "Where the kernel library files lie.");
+  m.def("render_frame", &render_frame, py::arg("expr"), py::arg("request"), "Renders a frame; see render.py.");
+  m.def("trace_rays", &trace_rays, py::arg("expr"), py::arg("request"), "Traces a batch of rays; see render.py.");
+  m.def("enclose_pieces", &enclose_pieces, py::arg("expr"), py::arg("request"), "Bounds of f over pieces; see render.py.");
+  m.def("kernel_source", &kernel_source, py::arg("expr"), py::arg("request"), "The OpenCL C that a call runs.");
+  m.def("parameters", [](const Expr& f) { return program::lower(f).parameters; }, py::arg("expr"),
+        "The names of the parameters of f, sorted.");
+}
 
 }  // namespace irt::bindings

@@ -11,7 +11,7 @@
 #include <unordered_set>
 
 #include "error.h"
-#include "limits.h"
+#include "caps.h"
 #include "program/operators.h"
 #include "program/program.h"
 

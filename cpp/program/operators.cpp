@@ -13,6 +13,8 @@ constexpr const char* kPower = "interval_power.cl";
 constexpr const char* kExponential = "interval_exponential.cl";
 constexpr const char* kTrigonometric = "interval_trigonometric.cl";
 constexpr const char* kStep = "interval_step.cl";
+constexpr const char* kModulo = "interval_modulo.cl";
+constexpr const char* kChoice = "interval_choice.cl";
 constexpr const char* kAffine = "affine.cl";
 
 // Rows without helpers are written by the emitters themselves: they need constants, signs or masks of their operands.
@@ -58,16 +60,16 @@ constexpr std::array kTable = {
              kCore, nullptr, nullptr, false},
     Operator{Code::Max, "max", 2, "max($a, $b)", "SELECT(GE($a, $b), (F)1, (F)0);SELECT(GE($a, $b), (F)0, (F)1)", "ia_max",
              kCore, nullptr, nullptr, false},
-    Operator{Code::Mod, "mod", 2, "$a - $b * floor($a / $b)", "(F)1;-floor($a / $b)", "ia_mod", kStep, nullptr, nullptr, true},
-    Operator{Code::Select, "select", 3, "SELECT($a, $b, $c)", "", nullptr, kStep, nullptr, nullptr, true},
-    Operator{Code::Less, "less", 2, "LT($a, $b)", "", "tri_less", kStep, nullptr, nullptr, false},
-    Operator{Code::LessEqual, "less equal", 2, "LE($a, $b)", "", "tri_less_equal", kStep, nullptr, nullptr, false},
-    Operator{Code::Equal, "equal", 2, "EQ($a, $b)", "", "tri_equal", kStep, nullptr, nullptr, false},
-    Operator{Code::And, "and", 2, "$a & $b", "", "tri_and", kStep, nullptr, nullptr, false},
-    Operator{Code::Or, "or", 2, "$a | $b", "", "tri_or", kStep, nullptr, nullptr, false},
-    Operator{Code::Not, "not", 1, "~$a", "", "tri_not", kStep, nullptr, nullptr, false},
-    Operator{Code::True, "true", 0, "ALL", "", "tri_true", kStep, nullptr, nullptr, false},
-    Operator{Code::Undefined, "undefined", 0, "(F)NAN", "", nullptr, kStep, nullptr, nullptr, true},
+    Operator{Code::Mod, "mod", 2, "$a - $b * floor($a / $b)", "(F)1;-floor($a / $b)", "ia_mod", kModulo, nullptr, nullptr, true},
+    Operator{Code::Select, "select", 3, "SELECT($a, $b, $c)", "", nullptr, kChoice, nullptr, nullptr, true},
+    Operator{Code::Less, "less", 2, "LT($a, $b)", "", "tri_less", kChoice, nullptr, nullptr, false},
+    Operator{Code::LessEqual, "less equal", 2, "LE($a, $b)", "", "tri_less_equal", kChoice, nullptr, nullptr, false},
+    Operator{Code::Equal, "equal", 2, "EQ($a, $b)", "", "tri_equal", kChoice, nullptr, nullptr, false},
+    Operator{Code::And, "and", 2, "$a & $b", "", "tri_and", kChoice, nullptr, nullptr, false},
+    Operator{Code::Or, "or", 2, "$a | $b", "", "tri_or", kChoice, nullptr, nullptr, false},
+    Operator{Code::Not, "not", 1, "~$a", "", "tri_not", kChoice, nullptr, nullptr, false},
+    Operator{Code::True, "true", 0, "ALL", "", "tri_true", kChoice, nullptr, nullptr, false},
+    Operator{Code::Undefined, "undefined", 0, "(F)NAN", "", nullptr, kChoice, nullptr, nullptr, true},
 };
 
 constexpr bool in_order() {

@@ -1,0 +1,101 @@
+// Puts a kernel together.
+#include "kernel/assemble.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "error.h"
+#include "kernel/library.h"
+#include "caps.h"
+
+namespace irt::kernel {
+namespace {
+
+using program::Precision;
+
+// Symbols become comments only if they are identifiers: nothing that a user writes can leave the comment.
+bool identifier(const std::string& name) {
+  return !name.empty() && name.size() <= limits::kIdentifierLength && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+std::string prelude(const program::Program& program, const Spec& spec) {
+  const bool wide = spec.precision == Precision::Double;
+  const std::string real = wide ? "double" : "float", integer = wide ? "long" : "int";
+  const std::string w = spec.width == 1 ? "" : std::to_string(spec.width);
+  const bool parameters = !program.parameters.empty();
+  std::string text = fmt::format("#define W {}\n", spec.width);
+  const auto define = [&](const char* name, int value) { text += fmt::format("#define {} {}\n", name, value); };
+  define("IRT_DOUBLE", wide);
+  define("IRT_OUTWARD", spec.outward);
+  define("IRT_INFINITE", spec.infinite);
+  define("IRT_AFFINE", spec.affine);
+  define("IRT_PARTIAL", program[program.result].partial);
+  if (spec.entry != Entry::Enclose) {
+    define("IRT_LIST", spec.entry == Entry::PixelList);
+    define("IRT_SPHERES", spec.spheres);
+    define("IRT_NORMAL", spec.normal);
+    define("IRT_RGB", spec.rgb);
+  }
+  text += fmt::format("typedef {} real;\ntypedef {}{} F;\ntypedef {}{} I;\ntypedef uint{} UINT;\n", real, real, w, integer, w, w);
+  text += fmt::format("#define TO_F(v) convert_{0}{1}(v)\n#define TO_I(v) convert_{2}{1}(v)\n#define AS_F(v) as_{0}{1}(v)\n"
+                      "#define AS_I(v) as_{2}{1}(v)\n#define TO_UINT(v) convert_uint{1}(v)\n", real, w, integer);
+  if (spec.width == 1) {
+    text += "#define LOAD(p) (*(p))\n#define LOAD_PRIVATE(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n"
+            "#define STORE_BYTES(v, p) (*(p) = convert_uchar(v))\n#define STORE_FLOAT(v, p) (*(p) = convert_float(v))\n"
+            "#define STORE_UINT(v, p) (*(p) = (v))\n";
+  } else {
+    text += fmt::format("#define LOAD(p) vload{0}(0, p)\n#define LOAD_PRIVATE(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n"
+                        "#define STORE_BYTES(v, p) vstore{0}(convert_uchar{0}(v), 0, p)\n"
+                        "#define STORE_FLOAT(v, p) vstore{0}(convert_float{0}(v), 0, p)\n#define STORE_UINT(v, p) vstore{0}(v, 0, p)\n",
+                        spec.width);
+  }
+  text += parameters ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
+                     : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
+  for (std::size_t i = 0; i < program.parameters.size(); ++i)
+    text += fmt::format("// p[{}], p[{}]: bounds of {}\n", 2 * i, 2 * i + 1,
+                        identifier(program.parameters[i]) ? program.parameters[i] : "a parameter");
+  return text;
+}
+
+// Library files in the order in which they build on one another.
+constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "interval_power.cl", "interval_exponential.cl",
+                                       "interval_trigonometric.cl", "interval_step.cl", "interval_modulo.cl",
+                                       "interval_choice.cl", "affine.cl", "affine_power.cl"};
+
+}  // namespace
+
+const char* entry_name(Entry entry) { return entry == Entry::Enclose ? "enclose_pieces" : "trace"; }
+
+std::string assemble(const program::Program& program, const Spec& spec) {
+  program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision) : program::emit_interval(program, spec.precision);
+  if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
+  std::string text = prelude(program, spec);
+  const auto include = [&](const std::string& name) { text += fmt::format("\n// ---- {}\n", name) + library_file(name); };
+  include("packet.cl");
+  for (const char* name : kArithmetic)
+    if (f.files.count(name)) include(name);
+  text += "\n// ---- the formula\n" + f.source;
+  if (spec.normal || spec.rgb) text += "\n" + program::emit_gradient(program, spec.precision).source;
+  if (spec.entry == Entry::Enclose) {
+    include("enclose.cl");
+  } else {
+    include("scene.cl");
+    include(spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl");
+    include("clip.cl");
+    include("path.cl");
+    include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
+    include("bisection.cl");
+    if (spec.rgb) include("shade.cl");
+    include("trace.cl");
+  }
+  if (text.size() > limits::kSourceBytes)
+    throw LimitError(fmt::format("the kernel's source has {} bytes; the limit is {}; shorten the formula", text.size(),
+                                 limits::kSourceBytes));
+  return text;
+}
+
+}  // namespace irt::kernel

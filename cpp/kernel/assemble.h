@@ -1,0 +1,34 @@
+// Kernel assembly: prelude for a packet width and precision, the library files that the scene needs, the functions
+// emitted from its program, and one entry point. A kernel contains nothing else.
+#pragma once
+
+#include <string>
+
+#include "program/emit.h"
+
+namespace irt::kernel {
+
+enum class Entry { Camera, PixelList, RayList, Enclose };
+
+struct Spec {
+  Entry entry = Entry::Camera;
+  bool affine = false;
+  program::Precision precision = program::Precision::Single;
+  int width = 16;        // reals per packet
+  bool outward = true;   // rounding="outward"
+  bool infinite = true;  // intermediate values may be infinite (program::magnitude)
+  int spheres = 0;       // balls among the bounds
+  bool normal = false;
+  bool rgb = false;
+};
+
+// Where the files of kernels/ lie. Set once, before the first kernel.
+void set_directory(const std::string& path);
+
+// The OpenCL C of a call. Throws LimitError past limits::kSourceBytes.
+std::string assemble(const program::Program& program, const Spec& spec);
+
+// The name of the entry point in it.
+const char* entry_name(Entry entry);
+
+}  // namespace irt::kernel

@@ -1,0 +1,106 @@
+// What a call asks for, and what it answers: the C++ side of render, trace and enclose.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "device/device.h"
+#include "expr/expr.h"
+#include "program/program.h"
+
+namespace irt::render {
+
+struct Ball {
+  glm::dvec3 center;
+  double radius;
+};
+
+struct Bounds {
+  glm::dvec3 lower, upper;
+  std::vector<Ball> balls;
+
+  glm::dvec3 center() const { return 0.5 * (lower + upper); }
+};
+
+struct View {
+  glm::dvec3 origin, right, up, forward;  // an orthonormal basis
+  bool perspective = true;
+  double tan_half_fov = 0.5;  // perspective
+  double height = 1;          // orthographic
+  int columns = 0, rows = 0;
+};
+
+// A batch of rays: (n, 3) arrays, and the range of t for each.
+struct Rays {
+  const double *origins, *directions, *tmin, *tmax;
+  std::size_t count = 0;
+};
+
+enum class PrecisionMode { Single, Double, Auto };
+
+struct Options {
+  bool affine = true;
+  bool outward = true;
+  PrecisionMode precision = PrecisionMode::Auto;
+  double eps = 1e-3;
+  std::vector<double> parameters;  // as Program::parameters has them, the isovalue last
+  int max_pieces = 0;              // 0: the default
+  bool normal = true, rgb = true;
+  std::array<double, 3> color{}, back_color{}, unresolved_color{};  // linear light
+  std::array<double, 4> background{};                              // and alpha
+  glm::dvec3 light{0};                                             // towards it; zero: none
+  device::Control control;
+};
+
+// Memory that outlives the call inside NumPy arrays; aligned so that CPU drivers use it in place.
+class Memory {
+ public:
+  explicit Memory(std::size_t bytes);
+  void* data() const { return data_.get(); }
+  std::size_t bytes() const { return bytes_; }
+  template <class T>
+  T* as() const {
+    return static_cast<T*>(data_.get());
+  }
+
+ private:
+  std::shared_ptr<void> data_;
+  std::size_t bytes_;
+};
+
+// Per pixel or ray; `pitch` elements lie between rows. depth and uncertainty are double where `wide`.
+struct Answer {
+  std::size_t columns = 0, rows = 1, pitch = 0;
+  bool wide = false;
+  std::optional<Memory> depth, uncertainty, status, normal, rgba;  // normal: three planes of rows * pitch floats
+  std::size_t escalated = 0;
+  std::uint64_t builds = 0;
+  double build_seconds = 0, kernel_seconds = 0;
+  int width = 1;
+  device::Outcome outcome = device::Outcome::done;
+};
+
+Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+                    device::Device& device);
+
+Answer trace_rays(const program::Program& program, const Rays& rays, const Bounds& bounds, const Options& options,
+                  device::Device& device);
+
+// Coordinates of pieces, rounded outward by the caller: 9 doubles each, three an axis (lo, hi, 0 or x, y, z). The
+// result has lower, upper for each. `magnitudes` bounds |x|, |y|, |z| over all of them.
+std::vector<std::array<double, 2>> enclose_pieces(const program::Program& program, std::span<const std::array<double, 9>> pieces,
+                                                  const Options& options, device::Device& device);
+
+// The source of the kernel that the call would run.
+std::string frame_source(const program::Program& program, const Bounds& bounds, const Options& options,
+                         const device::Device& device);
+
+}  // namespace irt::render

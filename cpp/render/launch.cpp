@@ -1,0 +1,205 @@
+// Kernel choice, buffers, launches, and the second pass in double for what single precision left open.
+#include "render/launch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include "error.h"
+
+namespace irt::render {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+// Pieces of one ray: hard surfaces need some thousands; beyond this the ray is UNRESOLVED.
+constexpr int kMaxPieces = 1 << 16;
+constexpr std::size_t kSettings = 30;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What stands where the time limit stops the frame: nothing is known from the start of the ray on.
+void leave_open(Answer& a, std::size_t n, const Options& options) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  std::memset(a.depth->data(), 0, a.depth->bytes());
+  std::memset(a.status->data(), 3, a.status->bytes());
+  if (a.wide) {
+    std::fill_n(a.uncertainty->as<double>(), n, static_cast<double>(kNone));
+  } else {
+    std::fill_n(a.uncertainty->as<float>(), n, kNone);
+  }
+  if (a.normal) std::fill_n(a.normal->as<float>(), 3 * n, kNone);
+  if (a.rgba) {
+    std::uint32_t pixel = 0xff000000u;
+    for (int k = 0; k < 3; ++k)
+      pixel |= static_cast<std::uint32_t>(std::lround(255 * std::pow(std::clamp(options.unresolved_color[k], 0.0, 1.0), 1 / 2.2))) << (8 * k);
+    std::fill_n(a.rgba->as<std::uint32_t>(), n, pixel);
+  }
+}
+
+}  // namespace
+
+Memory::Memory(std::size_t bytes) : bytes_((bytes + kAlignment - 1) / kAlignment * kAlignment) {
+  void* p = std::aligned_alloc(kAlignment, std::max(bytes_, kAlignment));
+  if (!p) throw LimitError(fmt::format("no memory for {} bytes; ask for a smaller frame or fewer outputs", bytes_));
+  data_ = std::shared_ptr<void>(p, std::free);
+}
+
+int packet_width(const device::Device& device, program::Precision precision) {
+  const int width = device.info().width;
+  return precision == program::Precision::Double ? std::max(1, width / 2) : width;
+}
+
+bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
+                      program::Precision precision) {
+  const double at[3] = {coordinates.x, coordinates.y, coordinates.z};
+  std::vector<double> parameters = options.parameters;
+  for (double& p : parameters) p = std::fabs(p);
+  return !(program::magnitude(program, at, parameters) < (precision == program::Precision::Double ? 1e300 : 1e36));
+}
+
+Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
+  Reals ends(precision, 2 * program.parameters.size());
+  for (std::size_t i = 0; i < program.parameters.size(); ++i) {
+    const double v = options.parameters[i];
+    ends.set(2 * i, precision == program::Precision::Double ? v : static_cast<double>(float_below(v)));
+    ends.set(2 * i + 1, precision == program::Precision::Double ? v : static_cast<double>(float_above(v)));
+  }
+  return ends;
+}
+
+double reach(const Bounds& bounds) { return 0.5 * glm::length(bounds.upper - bounds.lower) * (1 + 1e-6); }
+
+Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
+                     double near, double tau) {
+  Reals q(precision, kSettings + 4 * bounds.balls.size());
+  for (int k = 0; k < 3; ++k) {
+    q.set(k, bounds.lower[k]);
+    q.set(3 + k, bounds.upper[k]);
+    q.set(13 + k, options.color[k]);
+    q.set(16 + k, options.back_color[k]);
+    q.set(23 + k, options.unresolved_color[k]);
+    q.set(26 + k, options.light[k]);
+  }
+  for (int k = 0; k < 4; ++k) q.set(19 + k, options.background[k]);
+  q.set_above(6, reach(bounds));
+  q.set_above(7, position_pad);
+  q.set(8, options.eps);
+  q.set_below(9, near);
+  q.set_above(10, near);
+  q.set(11, tau);
+  q.set(29, glm::length(options.light) > 0 ? 1 : 0);
+  for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
+    for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
+    q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);
+  }
+  return q;
+}
+
+Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options) {
+  Answer a;
+  a.columns = columns;
+  a.rows = rows;
+  a.width = width;
+  a.pitch = (columns + width - 1) / width * width;
+  a.wide = precision == program::Precision::Double;
+  const std::size_t n = a.pitch * rows;
+  a.depth.emplace(n * size_of(precision));
+  a.uncertainty.emplace(n * size_of(precision));
+  a.status.emplace(n);
+  if (options.normal) a.normal.emplace(3 * n * sizeof(float));
+  if (options.rgb) a.rgba.emplace(n * 4);
+  if (options.control.deadline != std::chrono::steady_clock::time_point::max()) leave_open(a, n, options);
+  return a;
+}
+
+void launch(const program::Program& program, kernel::Spec spec, std::vector<device::Arg> args, const Reals& settings,
+            const Options& options, device::Device& device, Answer& answer) {
+  if (spec.precision == program::Precision::Double && !device.info().fp64)
+    throw DeviceError(fmt::format("{} has no double precision; use precision=\"single\" or another device", device.info().name));
+  spec.affine = options.affine;
+  spec.outward = options.outward;
+  spec.normal = options.normal;
+  spec.rgb = options.rgb;
+  const auto start = std::chrono::steady_clock::now();
+  const std::uint64_t builds = device.builds();
+  const auto kernel = device.kernel(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
+  answer.builds += device.builds() - builds;
+  answer.build_seconds += seconds_since(start);
+
+  std::vector<std::unique_ptr<device::Buffer>> buffers;
+  std::vector<std::pair<const Memory*, device::Buffer*>> outputs;
+  const auto keep = [&](std::unique_ptr<device::Buffer> b) -> const device::Buffer* {
+    buffers.push_back(std::move(b));
+    return buffers.back().get();
+  };
+  const auto output = [&](const Memory& m) { return keep(device.buffer(m.data(), m.bytes(), device::Access::write)); };
+  const std::size_t first_output = 1;
+  args.emplace_back(keep(settings.buffer(device)));
+  args.emplace_back(static_cast<std::int32_t>(answer.pitch));
+  args.emplace_back(static_cast<std::int32_t>(options.max_pieces > 0 ? options.max_pieces : kMaxPieces));
+  if (options.normal) {
+    args.emplace_back(output(*answer.normal));
+    args.emplace_back(static_cast<std::int32_t>(answer.pitch * answer.rows));
+  }
+  if (options.rgb) args.emplace_back(output(*answer.rgba));
+  args.emplace_back(output(*answer.depth));
+  args.emplace_back(output(*answer.uncertainty));
+  args.emplace_back(output(*answer.status));
+  const std::size_t last_output = buffers.size();
+  const Reals parameters = parameter_ends(program, options, spec.precision);
+  if (!program.parameters.empty()) args.emplace_back(keep(parameters.buffer(device)));
+  double seconds = 0;
+  answer.outcome = device.run(*kernel, args, answer.pitch / spec.width, answer.rows, options.control, &seconds);
+  answer.kernel_seconds += seconds;
+  for (std::size_t i = first_output; i < last_output; ++i) buffers[i]->read();
+}
+
+std::vector<std::size_t> undecided(const Answer& answer, const Options& options) {
+  std::vector<std::size_t> open;
+  for (std::size_t row = 0; row < answer.rows; ++row)
+    for (std::size_t column = 0; column < answer.columns; ++column) {
+      const std::size_t i = row * answer.pitch + column;
+      const unsigned char status = answer.status->as<unsigned char>()[i];
+      if (status >= 2 || (status == 1 && options.outward && !(2 * answer.uncertainty->as<float>()[i] <= options.eps)))
+        open.push_back(i);
+    }
+  return open;
+}
+
+void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where) {
+  const std::size_t n = answer.pitch * answer.rows;
+  if (!answer.wide) {
+    for (std::optional<Memory>* m : {&answer.depth, &answer.uncertainty}) {
+      Memory wider(n * sizeof(double));
+      std::copy_n((*m)->as<float>(), n, wider.as<double>());
+      *m = wider;
+    }
+    answer.wide = true;
+  }
+  const std::size_t part_plane = part.pitch * part.rows;
+  for (std::size_t k = 0; k < where.size(); ++k) {
+    const std::size_t i = where[k];
+    answer.depth->as<double>()[i] = part.depth->as<double>()[k];
+    answer.uncertainty->as<double>()[i] = part.uncertainty->as<double>()[k];
+    answer.status->as<unsigned char>()[i] = part.status->as<unsigned char>()[k];
+    if (answer.normal)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        answer.normal->as<float>()[axis * n + i] = part.normal->as<float>()[axis * part_plane + k];
+    if (answer.rgba) answer.rgba->as<std::uint32_t>()[i] = part.rgba->as<std::uint32_t>()[k];
+  }
+  answer.escalated += where.size();
+  answer.builds += part.builds;
+  answer.build_seconds += part.build_seconds;
+  answer.kernel_seconds += part.kernel_seconds;
+  answer.outcome = part.outcome;
+}
+
+}  // namespace irt::render

@@ -1,0 +1,43 @@
+// What render, trace and enclose share: choice of the kernel, parameters and settings as buffers, and the launch.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernel/assemble.h"
+#include "render/call.h"
+#include "render/reals.h"
+
+namespace irt::render {
+
+// Packets of doubles are half as wide: the same bytes.
+int packet_width(const device::Device& device, program::Precision precision);
+
+// Whether values may overflow for coordinates and parameters of these sizes.
+bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
+                      program::Precision precision);
+
+// Lower and upper ends of each parameter, rounded outward.
+Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision);
+
+// The settings of kernels/scene.cl; near and tau are those of a camera.
+Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
+                     double near, double tau);
+
+// The distance from the middle of the bounds to its corners, and a little more.
+double reach(const Bounds& bounds);
+
+// One launch of a trace kernel that writes into `answer`; `inputs` are the arguments that make the rays.
+void launch(const program::Program& program, kernel::Spec spec, std::vector<device::Arg> inputs, const Reals& settings,
+            const Options& options, device::Device& device, Answer& answer);
+
+// Rows of `answer` that hold `columns` results each.
+Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options);
+
+// Pixels or rays that single precision left open, or whose bracket is wider than eps.
+std::vector<std::size_t> undecided(const Answer& answer, const Options& options);
+
+// Puts the results of `part`, in order, at the indices given; depth becomes double.
+void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where);
+
+}  // namespace irt::render

@@ -1,0 +1,55 @@
+// The part of a ray inside the bounds: a box and IRT_SPHERES balls. Every comparison is made twice, so that rounding can
+// neither hide a root just inside the bounds nor show one just outside.
+
+// Between the planes lo and hi of one axis; e bounds the error of a coordinate anywhere on the ray.
+static inline void clip_axis(RANGE* range, F p, F d, F e, F lo, F hi, F radius) {
+  const I parallel = LE(fabs(d) * radius, e);
+  const F inverse = R(1.0) / SELECT(parallel, (F)1, d);
+  const F a = (lo - p) * inverse, b = (hi - p) * inverse;
+  const F enter = min(a, b), leave = max(a, b);
+  const F pad = (e + ULP * (fabs(lo) + fabs(hi))) * fabs(inverse) + R(8.0) * ULP * (fabs(enter) + fabs(leave));
+  const F reach = e + e + R(2.0) * ULP * (fabs(lo) + fabs(hi));
+  const I maybe = LE(lo, p + reach) & GE(hi, p - reach), surely = LE(lo, p - reach) & GE(hi, p + reach);
+  range->out0 = max(range->out0, SELECT(parallel, SELECT(maybe, -INF, INF), enter - pad));
+  range->out1 = min(range->out1, SELECT(parallel, SELECT(maybe, INF, -INF), leave + pad));
+  range->in0 = max(range->in0, SELECT(parallel, SELECT(surely, -INF, INF), enter + pad));
+  range->in1 = min(range->in1, SELECT(parallel, SELECT(surely, INF, -INF), leave - pad));
+}
+
+#if IRT_SPHERES
+// |P + s D - c|^2 <= r^2. An error of the position is an error of the radius; the rounding of the quadratic's
+// coefficients is one of its discriminant.
+static inline void clip_sphere(RANGE* range, const RAY* ray, F cx, F cy, F cz, F radius) {
+  const F x = ray->px - cx, y = ray->py - cy, z = ray->pz - cz;
+  const F a = fma(ray->dx, ray->dx, fma(ray->dy, ray->dy, ray->dz * ray->dz));
+  const F b = fma(ray->dx, x, fma(ray->dy, y, ray->dz * z));
+  const F square = fma(x, x, fma(y, y, z * z));
+  const F slack = ray->ex + ray->ey + ray->ez + R(2.0) * ULP * (fabs(cx) + fabs(cy) + fabs(cz) + radius);
+  const F outer = radius + slack, inner = max(radius - slack, (F)0);
+  const F error = R(16.0) * ULP * fma(b, b, a * (square + outer * outer));
+  const F open = fma(b, b, -a * (square - outer * outer)) + error, sure = fma(b, b, -a * (square - inner * inner)) - error;
+  const F middle = -b / a, wide = sqrt(max(open, (F)0)) / a, narrow = sqrt(max(sure, (F)0)) / a;
+  const F pad = R(16.0) * ULP * (fabs(middle) + wide) + slack * (F)ULP;
+  const I maybe = GE(open, (F)0), surely = GT(sure, (F)0);
+  range->out0 = max(range->out0, SELECT(maybe, middle - wide - pad, INF));
+  range->out1 = min(range->out1, SELECT(maybe, middle + wide + pad, -INF));
+  range->in0 = max(range->in0, SELECT(surely, middle - narrow + pad, INF));
+  range->in1 = min(range->in1, SELECT(surely, middle + narrow - pad, -INF));
+}
+#endif
+
+static inline RANGE clip_ray(const RAY* ray, __global const real* q) {
+  RANGE range;
+  range.out0 = ray->near_out;
+  range.out1 = ray->far_out;
+  range.in0 = ray->near_in;
+  range.in1 = ray->far_in;
+  clip_axis(&range, ray->px, ray->dx, ray->ex, (F)BOX_LO(0), (F)BOX_HI(0), (F)RADIUS);
+  clip_axis(&range, ray->py, ray->dy, ray->ey, (F)BOX_LO(1), (F)BOX_HI(1), (F)RADIUS);
+  clip_axis(&range, ray->pz, ray->dz, ray->ez, (F)BOX_LO(2), (F)BOX_HI(2), (F)RADIUS);
+#if IRT_SPHERES
+  for (int i = 0; i < IRT_SPHERES; ++i)
+    clip_sphere(&range, ray, (F)SPHERE(i, 0), (F)SPHERE(i, 1), (F)SPHERE(i, 2), (F)SPHERE(i, 3));
+#endif
+  return range;
+}

@@ -1,0 +1,19 @@
+// Enclosures of f, W at a time: boxes or pieces of rays, whose coordinates the host rounded outward.
+//
+// coordinates: planar with the stride given; three reals an axis: lo, hi, 0 (intervals) or x, y, z (affine forms).
+#define TERM(k) LOAD(coordinates + (k) * (size_t)stride + at)
+
+__kernel void enclose_pieces(__global const real* coordinates, const int stride, __global real* lower,
+                             __global real* upper PARAMETERS) {
+  const size_t at = W * get_global_id(0);
+  I undefined, rough;
+#if IRT_AFFINE
+  const RA x = ra(TERM(0), TERM(1), TERM(2)), y = ra(TERM(3), TERM(4), TERM(5)), z = ra(TERM(6), TERM(7), TERM(8));
+  const IA f = ra_range(irt_affine(x, y, z PARAMETERS_PASS, &undefined, &rough));
+#else
+  const IA x = ia(TERM(0), TERM(1)), y = ia(TERM(3), TERM(4)), z = ia(TERM(6), TERM(7));
+  const IA f = irt_interval(x, y, z PARAMETERS_PASS, &undefined, &rough);
+#endif
+  STORE(SELECT(undefined, (F)NAN, f.lo), lower + at);
+  STORE(SELECT(undefined, (F)NAN, f.hi), upper + at);
+}

@@ -1,0 +1,48 @@
+// The settings of a call, one array of reals; cpp/render/settings.h writes it in this order.
+#define BOX_LO(axis) q[axis]
+#define BOX_HI(axis) q[3 + (axis)]
+#define RADIUS q[6]        // |s| stays below it inside the bounds
+#define POSITION_PAD q[7]  // what the host's own rounding may add to a coordinate
+#define EPS q[8]
+#define NEAR_OUT q[9]  // s of the nearest t that counts, rounded down and up
+#define NEAR_IN q[10]
+#define TAU q[11]    // t = (TAU + s) |D|
+#define LENGTH q[12]  // |D| of every ray of an orthographic camera
+#define COLOR(channel) q[13 + (channel)]
+#define BACK_COLOR(channel) q[16 + (channel)]
+#define BACKGROUND(channel) q[19 + (channel)]  // the fourth is its alpha
+#define UNRESOLVED_COLOR(channel) q[23 + (channel)]
+#define LIGHT(axis) q[26 + (axis)]
+#define LIGHT_POWER q[29]
+#define SPHERE(i, k) q[30 + 4 * (i) + (k)]  // centre and radius
+
+#define MISS ((I)0)
+#define HIT ((I)1)
+#define TOUCH ((I)2)
+#define UNRESOLVED ((I)3)
+
+// A ray in the coordinates of the bounds: position P + s D. P lies near the middle of the bounds, so that a far camera
+// costs no digits; t = (tau + s) length.
+typedef struct {
+  F px, py, pz, dx, dy, dz;
+  F ex, ey, ez;  // bounds of the error of any position on the ray inside the bounds, evaluation included
+  F tau, length;
+  F near_out, near_in, far_out, far_in;
+} RAY;
+
+// The part of a ray that counts. Outside [out0, out1] nothing counts; all of [in0, in1] does.
+typedef struct {
+  F out0, out1, in0, in1;
+} RANGE;
+
+// What a root finder reports: a status, and the bracket [lo, hi] in s.
+typedef struct {
+  I status;
+  F lo, hi;
+} ROOT;
+
+// sqrt to within one ulp whatever the device's own does: one Newton step.
+static inline F careful_sqrt(F v) {
+  const F r = sqrt(v);
+  return SELECT(GT(r, (F)0), r + fma(-r, r, v) / (r + r), r);
+}

@@ -1,0 +1,54 @@
+// The kernel of a call: ray, clip, root, normal, colour, for one packet of rays. Only what was asked for is compiled.
+__kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int max_pieces,
+#if IRT_NORMAL
+                    __global float* normal, const int plane,
+#endif
+#if IRT_RGB
+                    __global uint* rgba,
+#endif
+                    __global real* depth, __global real* uncertainty, __global uchar* status PARAMETERS) {
+  const size_t at = get_global_id(1) * pitch + get_global_id(0) * W;
+  const RAY ray = make_ray(RAY_PASS, q);
+  const RANGE range = clip_ray(&ray, q);
+  const ROOT root = find_root(&ray, &range, q, max_pieces PARAMETERS_PASS);
+  const I found = EQ(root.status, HIT) | EQ(root.status, TOUCH);
+  const F s = SELECT(found, R(0.5) * (root.lo + root.hi), root.lo);
+  const F t = max((ray.tau + s) * ray.length, (F)0);
+  // Half the bracket, the rounding of its ends, of tau + s, of |D| and of the product.
+  const F half = fma(R(0.5) * (root.hi - root.lo) + ULP * (F)RADIUS, ray.length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
+  STORE(SELECT(EQ(root.status, MISS), INF, t), depth + at);
+  STORE_BYTES(root.status, status + at);
+#if IRT_OUTWARD
+  STORE(SELECT(EQ(root.status, HIT), half, (F)NAN), uncertainty + at);
+#else
+  STORE((F)NAN, uncertainty + at);
+#endif
+#if IRT_NORMAL || IRT_RGB
+  const F none = (F)NAN, less = R(1.0) / ray.length;
+  const F vx = -ray.dx * less, vy = -ray.dy * less, vz = -ray.dz * less;
+  F nx = none, ny = none, nz = none;
+  I front = ALL;
+  if (ANY(found)) {
+    F gx, gy, gz;
+    irt_gradient(fma(s, ray.dx, ray.px), fma(s, ray.dy, ray.py), fma(s, ray.dz, ray.pz) PARAMETERS_PASS, &gx, &gy, &gz);
+    // Scaled first: squares of large or small gradients leave the range of reals.
+    const F largest = max(max(fabs(gx), fabs(gy)), fabs(gz)), scale = R(1.0) / largest;
+    const F x = gx * scale, y = gy * scale, z = gz * scale;
+    const F facing = fma(x, vx, fma(y, vy, z * vz));
+    front = GE(facing, (F)0);
+    const F unit = SELECT(front, (F)1, (F)-1) / sqrt(fma(x, x, fma(y, y, z * z)));
+    const I good = found & GT(largest, (F)TINY) & LT(largest, INF);
+    nx = SELECT(good, x * unit, none);
+    ny = SELECT(good, y * unit, none);
+    nz = SELECT(good, z * unit, none);
+  }
+#endif
+#if IRT_NORMAL
+  STORE_FLOAT(nx, normal + at);
+  STORE_FLOAT(ny, normal + (size_t)plane + at);
+  STORE_FLOAT(nz, normal + 2 * (size_t)plane + at);
+#endif
+#if IRT_RGB
+  STORE_UINT(shade(root.status, front, nx, ny, nz, vx, vy, vz, q), rgba + at);
+#endif
+}
