@@ -1,0 +1,43 @@
+// Substitution, differentiation and rewriting. All walks are iterative and visit each shared part once.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "expr/expr.h"
+
+namespace irt {
+
+// The names of the symbols in e.
+std::set<std::string> free_symbols(const Expr& e);
+
+// Replaces all the pairs' left sides by their right sides, at once.
+Expr substitute(const Expr& e, const std::vector<std::pair<Expr, Expr>>& pairs);
+
+// The derivative with respect to a symbol. Abs, Min, Max and Piecewise are differentiated branch by branch, jumps ignored.
+Expr differentiate(const Expr& e, const std::string& symbol);
+
+// Products of sums and whole powers of sums multiplied out. Throws LimitError past limits::kExpandTerms.
+Expr expand(const Expr& e);
+
+// Smaller where that is sound: never changes the function or where it is defined, keeps factored form and even powers.
+Expr simplify(const Expr& e);
+
+// A polynomial in x, y, z: coefficients, free of x, y, z, by exponents.
+struct Polynomial {
+  std::map<std::array<int, 3>, Expr> terms;
+  int degree() const;
+};
+
+// e as a polynomial in x, y, z, or nothing where it is none (or has more terms than limits::kExpandTerms).
+std::optional<Polynomial> polynomial(const Expr& e);
+
+// Total degree in x, y, z, found without expanding (cancellation aside, for which factors are expanded where they are
+// small enough); nothing where e is no polynomial.
+std::optional<long> degree(const Expr& e);
+
+}  // namespace irt
