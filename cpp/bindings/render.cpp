@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "bindings/bindings.h"
 #include "error.h"
@@ -129,7 +130,7 @@ py::dict answer_dict(const render::Answer& a) {
   d["engine"] = "kernel";
   d["builds"] = a.builds;
   d["escalated"] = a.escalated;
-  d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("kernel") = a.kernel_seconds);
+  d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
   d["finished"] = a.outcome == device::Outcome::done;
   return d;
 }

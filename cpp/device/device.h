@@ -1,5 +1,5 @@
-// OpenCL devices without an OpenCL library: drivers are found, tried in a child process before they are trusted,
-// loaded one at a time, and called through their own dispatch tables.
+// OpenCL devices without an OpenCL library: one driver is loaded by path and called through its own dispatch table.
+// Which driver, and how wide its packets may be, python/implicitrt/devices.py finds out beforehand.
 #pragma once
 
 #include <chrono>
@@ -14,21 +14,16 @@
 
 namespace irt::device {
 
-// One device as `irt.devices()` lists it.
 struct Info {
-  std::string name;     // CL_DEVICE_NAME; the driver's path where it never came so far
-  std::string driver;   // which driver: "pocl (system)", "pocl (pip)", "intel (pip)", ...
+  std::string name;     // CL_DEVICE_NAME
+  std::string driver;   // which driver: "pocl (system)", "intel (pip)", ...
   std::string version;  // CL_DRIVER_VERSION
-  int width = 1;        // widest float packet that the probe found right: 1, 4, 8 or 16; GPUs: 1
+  int width = 1;        // floats per packet: 1, 4, 8 or 16; GPUs: 1
   bool fp64 = false;
   bool gpu = false;
-  bool ok = false;
-  std::string reason;   // why it is not ok, or why a width is not used; what to install
 };
 
-class Buffer;
-
-// A built kernel. Belongs to its device; immutable, safe to share between threads.
+// A built kernel. Belongs to its device; safe to share between threads.
 class Kernel {
  public:
   virtual ~Kernel() = default;
@@ -47,14 +42,19 @@ enum class Access { read, write, read_write };
 // One kernel argument, by value or by buffer.
 using Arg = std::variant<std::int32_t, float, double, const Buffer*>;
 
-// What stops a run between tiles.
+// What stops a run between bands.
 struct Control {
-  std::function<bool()> cancelled;  // asked between tiles, on the calling thread; empty: never
+  std::function<bool()> cancelled;  // asked between bands, on the calling thread; empty: never
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  std::function<void(double)> progress;  // fraction done, between tiles; empty: not reported
+  std::function<void(double)> progress;  // fraction done, between bands; empty: not reported
 };
 
 enum class Outcome { done, cancelled, late };
+
+struct Timing {
+  double launch = 0;  // the first launch of a new kernel, at which drivers finish compiling
+  double kernel = 0;
+};
 
 class Device : public std::enable_shared_from_this<Device> {
  public:
@@ -67,18 +67,17 @@ class Device : public std::enable_shared_from_this<Device> {
   virtual std::uint64_t builds() const = 0;
   // `host` must outlive the buffer. Alignment of 64 lets CPU drivers use it in place.
   virtual std::unique_ptr<Buffer> buffer(void* host, std::size_t bytes, Access access) = 0;
-  // Runs the kernel over columns x rows work-items in bands of rows (get_global_id(0), get_global_id(1) count over
-  // the whole grid), each band short enough that cancellation answers at once. Blocks; does not need the GIL.
-  // `seconds`, where given, receives the time that the kernels took.
+  // Runs the kernel over columns x rows work-items in bands (get_global_id counts over the whole grid), each short
+  // enough that cancellation answers at once. Blocks; does not need the GIL.
   virtual Outcome run(Kernel& kernel, std::span<const Arg> args, std::size_t columns, std::size_t rows,
-                      const Control& control, double* seconds = nullptr) = 0;
+                      const Control& control, Timing* timing = nullptr) = 0;
 };
 
-// Every device of every driver found, those that failed included. Probes drivers that it sees for the first time.
-std::vector<Info> list();
+// Loads the driver at `path` and opens its first device (a GPU before a CPU). Throws DeviceError.
+std::shared_ptr<Device> load(const std::string& path, const std::string& driver, int width);
 
-// The device that `choice` names (a substring of name or driver; "": IMPLICITRT_DEVICE, else the best: a GPU, a
-// system driver, Intel's where `ld` is missing). Loads only that driver. Throws DeviceError.
-std::shared_ptr<Device> open(const std::string& choice = "");
+// Runs the probe kernel: every kind of builtin that kernels use, at the device's width, in single precision and, where
+// there is, double. "" where all values are right; else which are wrong.
+std::string probe(Device& device);
 
 }  // namespace irt::device

@@ -83,7 +83,7 @@ struct Answer {
   std::optional<Memory> depth, uncertainty, status, normal, rgba;  // normal: three planes of rows * pitch floats
   std::size_t escalated = 0;
   std::uint64_t builds = 0;
-  double build_seconds = 0, kernel_seconds = 0;
+  double build_seconds = 0, launch_seconds = 0, kernel_seconds = 0;
   int width = 1;
   device::Outcome outcome = device::Outcome::done;
 };

@@ -156,9 +156,10 @@ void launch(const program::Program& program, kernel::Spec spec, std::vector<devi
   const std::size_t last_output = buffers.size();
   const Reals parameters = parameter_ends(program, options, spec.precision);
   if (!program.parameters.empty()) args.emplace_back(keep(parameters.buffer(device)));
-  double seconds = 0;
-  answer.outcome = device.run(*kernel, args, answer.pitch / spec.width, answer.rows, options.control, &seconds);
-  answer.kernel_seconds += seconds;
+  device::Timing timing;
+  answer.outcome = device.run(*kernel, args, answer.pitch / spec.width, answer.rows, options.control, &timing);
+  answer.launch_seconds += timing.launch;
+  answer.kernel_seconds += timing.kernel;
   for (std::size_t i = first_output; i < last_output; ++i) buffers[i]->read();
 }
 
@@ -198,6 +199,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
   answer.escalated += where.size();
   answer.builds += part.builds;
   answer.build_seconds += part.build_seconds;
+  answer.launch_seconds += part.launch_seconds;
   answer.kernel_seconds += part.kernel_seconds;
   answer.outcome = part.outcome;
 }
