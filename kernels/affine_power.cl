@@ -20,13 +20,13 @@ static inline RA ra_power(RA a, F middle, F below, F low, F high, real n, I even
   const F reach = ra_reach(a), slope = n * below;
   const F at_low = (low - middle) + slope * reach, at_high = (high - middle) - slope * reach;
   const F least = min(min(at_low, at_high), (F)0), most = max(max(at_low, at_high), (F)0);
-  const F half = R(0.5) * (most - least);
+  const F spread = R(0.5) * (most - least);
   const I through = LE(a.x - reach, (F)0) & GE(a.x + reach, (F)0);
   const F bottom = SELECT(even, (F)0, low), top = max(low, high);
   const F flat = R(0.5) * (top - bottom);
   const F x = SELECT(through, R(0.5) * (bottom + top), middle + R(0.5) * (least + most));
   const F y = SELECT(through, (F)0, slope * a.y);
-  const F z = SELECT(through, flat, fma(fabs(slope), a.z, half));
+  const F z = SELECT(through, flat, fma(fabs(slope), a.z, spread));
 #if IRT_OUTWARD
   // Each power is known to n / 2 + 1 ulp, the slope to as much.
   const F size = fabs(low) + fabs(high) + fabs(middle) + R(2.0) * fabs(slope) * reach;

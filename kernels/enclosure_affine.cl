@@ -12,10 +12,10 @@ typedef RA FORM;
 
 // f over the piece from `from` to `to`, in units of the path.
 static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough) {
-  const F middle = R(0.5) * (from + to), half = R(0.5) * (to - from);
-  return irt_affine(ra(fma(middle, path->ux, path->ox), half * path->ux, COORDINATE_ERROR(path->ex)),
-                    ra(fma(middle, path->uy, path->oy), half * path->uy, COORDINATE_ERROR(path->ey)),
-                    ra(fma(middle, path->uz, path->oz), half * path->uz, COORDINATE_ERROR(path->ez))
+  const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
+  return irt_affine(ra(fma(middle, path->ux, path->ox), span * path->ux, COORDINATE_ERROR(path->ex)),
+                    ra(fma(middle, path->uy, path->oy), span * path->uy, COORDINATE_ERROR(path->ey)),
+                    ra(fma(middle, path->uz, path->oz), span * path->uz, COORDINATE_ERROR(path->ez))
                     PARAMETERS_PASS, undefined, rough);
 }
 

@@ -14,12 +14,12 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
   const I found = EQ(root.status, HIT) | EQ(root.status, TOUCH);
   const F s = SELECT(found, R(0.5) * (root.lo + root.hi), root.lo);
   const F t = max((ray.tau + s) * ray.length, (F)0);
-  // Half the bracket, the rounding of its ends, of tau + s, of |D| and of the product.
-  const F half = fma(R(0.5) * (root.hi - root.lo) + ULP * (F)RADIUS, ray.length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
+  // Half the width of the bracket: the rounding of its ends, of tau + s, of |D| and of the product.
+  const F bracket = fma(R(0.5) * (root.hi - root.lo) + ULP * (F)RADIUS, ray.length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
   STORE(SELECT(EQ(root.status, MISS), INF, t), depth + at);
   STORE_BYTES(root.status, status + at);
 #if IRT_OUTWARD
-  STORE(SELECT(EQ(root.status, HIT), half, (F)NAN), uncertainty + at);
+  STORE(SELECT(EQ(root.status, HIT), bracket, (F)NAN), uncertainty + at);
 #else
   STORE((F)NAN, uncertainty + at);
 #endif

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path as _Path
+
+from implicitrt import _core
+from implicitrt.bounds import Sphere
+from implicitrt.camera import Camera
+from implicitrt.devices import Device, devices
 from implicitrt.errors import (
     ArgumentError,
     BuildError,
@@ -11,15 +17,70 @@ from implicitrt.errors import (
     LimitError,
     MethodError,
 )
+from implicitrt.expression import (
+    Abs,
+    And,
+    Condition,
+    E,
+    Eq,
+    Expr,
+    Max,
+    Min,
+    Mod,
+    Ne,
+    Not,
+    Or,
+    Piecewise,
+    Rational,
+    acos,
+    asin,
+    atan,
+    atan2,
+    cbrt,
+    ceiling,
+    cos,
+    cosh,
+    exp,
+    floor,
+    log,
+    parse,
+    pi,
+    sign,
+    sin,
+    sinh,
+    sqrt,
+    symbols,
+    sympify,
+    tan,
+    tanh,
+    x,
+    y,
+    z,
+)
+from implicitrt.frame import Frame, Hits, Stats, Status
+from implicitrt.render import (
+    Bisection,
+    Method,
+    enclose,
+    enclose_rays,
+    explain,
+    kernel_source,
+    methods,
+    render,
+    trace,
+)
+from implicitrt.surfaces import NamedSurface, surfaces
 
 __version__ = "0.1.0"
 
+# The kernel library lies beside the extension, which an editable install keeps elsewhere.
+_core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels"))
+
 __all__ = [
-    "ArgumentError",
-    "BuildError",
-    "DeviceError",
-    "Error",
-    "ExpressionError",
-    "LimitError",
-    "MethodError",
-]
+    "Abs", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Condition", "Device", "DeviceError", "E", "Eq",
+    "Error", "Expr", "ExpressionError", "Frame", "Hits", "LimitError", "Max", "Method", "MethodError", "Min", "Mod",
+    "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Sphere", "Stats", "Status", "acos", "asin", "atan",
+    "atan2", "cbrt", "ceiling", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
+    "kernel_source", "log", "methods", "parse", "pi", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",
+    "sympify", "tan", "tanh", "trace", "x", "y", "z",
+]  # fmt: skip

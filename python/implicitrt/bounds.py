@@ -1,0 +1,125 @@
+"""Bounds: the closed region in which surface counts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from implicitrt.camera import point
+from implicitrt.errors import ArgumentError
+
+__all__ = ["Bounds", "Sphere"]
+
+# Bounds larger or smaller than this leave single precision no digits or no exponents.
+LARGEST = 1e12
+SMALLEST = 1e-12
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A ball to clip to: `center` (3,) and `radius`."""
+
+    center: tuple[float, float, float]
+    radius: float
+
+    def __init__(self, center: Sequence[float], radius: float) -> None:
+        object.__setattr__(self, "center", point(center, "the sphere's center"))
+        try:
+            value = float(radius)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"the sphere's radius must be a number, not {radius!r}") from None
+        if not (math.isfinite(value) and value > 0):
+            raise ArgumentError(f"the sphere's radius must be positive and finite, not {radius!r}")
+        object.__setattr__(self, "radius", value)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """A box, and balls that cut it."""
+
+    lower: tuple[float, float, float]
+    upper: tuple[float, float, float]
+    spheres: tuple[Sphere, ...] = ()
+
+    @property
+    def center(self) -> tuple[float, float, float]:
+        """The middle of the box."""
+        low, high = self.lower, self.upper
+        return (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]))
+
+    @property
+    def radius(self) -> float:
+        """The radius of the sphere around the box; of the ball, where the bounds are one ball."""
+        corner = 0.5 * math.dist(self.lower, self.upper)
+        return min(self.spheres[0].radius, corner) if len(self.spheres) == 1 else corner
+
+    @property
+    def default_eps(self) -> float:
+        """A thousandth of half the largest side."""
+        return 1e-3 * 0.5 * max(h - l for l, h in zip(self.lower, self.upper, strict=True))
+
+    @staticmethod
+    def of(value: Any) -> Bounds:
+        """Bounds from a number r (the cube [-r, r]^3), a box ((x0, x1), (y0, y1), (z0, z1)), a
+        `Sphere`, or a list of these, which is their intersection.
+
+        Raises:
+            ArgumentError: not finite, empty, or of another form.
+        """
+        if isinstance(value, Bounds):
+            return value
+        if isinstance(value, list):
+            return _intersection([Bounds.of(v) for v in value])
+        if isinstance(value, Sphere):
+            # A little larger than the ball, so that the ball alone decides.
+            r = value.radius * (1 + 1e-9)
+            center = value.center
+            return _checked(
+                [c - r for c in center], [c + r for c in center], (value,)
+            )
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ArgumentError(_forms(value)) from None
+        if array.shape == ():
+            r = float(array)
+            if not (math.isfinite(r) and r > 0):
+                raise ArgumentError(f"bounds must be positive and finite, not {value!r}")
+            return _checked([-r] * 3, [r] * 3, ())
+        if array.shape != (3, 2):
+            raise ArgumentError(_forms(value))
+        return _checked(array[:, 0].tolist(), array[:, 1].tolist(), ())
+
+
+def _forms(value: Any) -> str:
+    return (
+        "bounds must be a number r, a box ((x0, x1), (y0, y1), (z0, z1)), an irt.Sphere, or a list "
+        f"of these, not {value!r}"
+    )
+
+
+def _checked(lower: list[float], upper: list[float], spheres: tuple[Sphere, ...]) -> Bounds:
+    for axis, low, high in zip("xyz", lower, upper, strict=True):
+        if not (math.isfinite(low) and math.isfinite(high)):
+            raise ArgumentError(f"bounds must be finite; in {axis} they are {low} to {high}")
+        if not low < high:
+            raise ArgumentError(f"the bounds are empty: in {axis} they go from {low} to {high}")
+        if max(abs(low), abs(high)) > LARGEST or high - low < SMALLEST * max(1.0, abs(low), abs(high)):
+            raise ArgumentError(
+                f"the bounds in {axis}, {low} to {high}, are too large or too thin for the "
+                f"precision; they must stay within {LARGEST:g}; scale the formula"
+            )
+    a, b = lower, upper
+    return Bounds((a[0], a[1], a[2]), (b[0], b[1], b[2]), spheres)
+
+
+def _intersection(parts: list[Bounds]) -> Bounds:
+    if not parts:
+        raise ArgumentError("bounds are an empty list; give at least one region")
+    lower = [max(p.lower[k] for p in parts) for k in range(3)]
+    upper = [min(p.upper[k] for p in parts) for k in range(3)]
+    return _checked(lower, upper, tuple(s for p in parts for s in p.spheres))

@@ -1,0 +1,174 @@
+"""Cameras: where rays start and which way they go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from implicitrt.errors import ArgumentError
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from implicitrt.bounds import Bounds
+
+__all__ = ["Camera"]
+
+# Where a camera looks from when none is given.
+DEFAULT_DIRECTION = (0.48, 0.36, 0.8)
+
+
+def point(value: Any, what: str) -> tuple[float, float, float]:
+    """Three finite numbers, or an ArgumentError that names `what`."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} must be three numbers, not {value!r}") from None
+    if array.shape != (3,):
+        raise ArgumentError(f"{what} must be three numbers, not an array of shape {array.shape}")
+    if not np.all(np.isfinite(array)):
+        raise ArgumentError(f"{what} must be finite, not {tuple(array.tolist())}")
+    if np.max(np.abs(array)) > 1e15:
+        raise ArgumentError(f"{what} must lie within 1e15 of the origin, not at {tuple(array.tolist())}")
+    return (float(array[0]), float(array[1]), float(array[2]))
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera at `origin` that looks at `target`.
+
+    Row 0 is the top, column 0 the left; samples lie at pixel centres.
+
+    Args:
+        origin: the eye; in orthographic views the middle of the plane on which rays start.
+        target: a point in the middle of the picture.
+        up: a direction that is up in the picture; not parallel to the view.
+        fov: vertical field of view in degrees, between 0 and 180 (perspective).
+        projection: "perspective" or "orthographic".
+        height: world units from the lower to the upper edge (orthographic); None frames the bounds.
+
+    Raises:
+        ArgumentError: anything is missing, not finite, or degenerate.
+    """
+
+    origin: tuple[float, float, float]
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    fov: float = 40.0
+    projection: str = "perspective"
+    height: float | None = None
+
+    def __init__(
+        self,
+        origin: Sequence[float],
+        target: Sequence[float] = (0, 0, 0),
+        up: Sequence[float] = (0, 1, 0),
+        fov: float = 40,
+        projection: str = "perspective",
+        height: float | None = None,
+    ) -> None:
+        put = object.__setattr__
+        put(self, "origin", point(origin, "the camera's origin"))
+        put(self, "target", point(target, "the camera's target"))
+        put(self, "up", point(up, "the camera's up"))
+        if projection not in ("perspective", "orthographic"):
+            raise ArgumentError(
+                f'projection must be "perspective" or "orthographic", not {projection!r}'
+            )
+        put(self, "projection", projection)
+        put(self, "fov", _number(fov, "fov"))
+        if not 0 < self.fov < 180:
+            raise ArgumentError(f"fov must lie between 0 and 180 degrees, not {fov!r}")
+        put(self, "height", None if height is None else _number(height, "height"))
+        if self.height is not None and not 0 < self.height <= 1e15:
+            raise ArgumentError(f"height must be positive, not {height!r}")
+        self.basis()  # raises where it is degenerate
+
+    def basis(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Unit vectors (right, true up, forward), each of shape (3,)."""
+        origin, target, up = (np.array(v) for v in (self.origin, self.target, self.up))
+        forward = target - origin
+        distance = float(np.linalg.norm(forward))
+        if distance == 0:
+            raise ArgumentError(f"the camera's origin and target are the same point {self.origin}")
+        length = float(np.linalg.norm(up))
+        if length == 0:
+            raise ArgumentError("the camera's up is the zero vector")
+        forward = forward / distance
+        right = np.cross(forward, up / length)
+        across = float(np.linalg.norm(right))
+        if across < 1e-9:
+            raise ArgumentError(
+                f"the camera's up {self.up} is parallel to its view; choose another, such as (0, 0, 1)"
+            )
+        right = right / across
+        return right, np.cross(right, forward), forward
+
+    def framed(self, bounds: Bounds) -> Camera:
+        """The camera with a height that frames the bounds, where it is orthographic without one."""
+        if self.projection == "perspective" or self.height is not None:
+            return self
+        return Camera(
+            self.origin, self.target, self.up, self.fov, self.projection, 2 * bounds.radius
+        )
+
+    @staticmethod
+    def default(bounds: Bounds) -> Camera:
+        """The camera that has the bounds' sphere in view, from the direction (0.48, 0.36, 0.8)."""
+        fov = 40.0
+        direction = np.array(DEFAULT_DIRECTION) / np.linalg.norm(DEFAULT_DIRECTION)
+        center = np.array(bounds.center)
+        distance = bounds.radius / math.sin(math.radians(fov / 2))
+        origin = center + distance * direction
+        return Camera(tuple(origin.tolist()), tuple(center.tolist()), fov=fov)
+
+    def rays(self, size: tuple[int, int]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Origins and unit directions of the rays of a picture of (width, height) pixels.
+
+        Returns:
+            two arrays (height, width, 3) of float64.
+        """
+        width, height = size
+        right, up, forward = self.basis()
+        u = (2 * (np.arange(width) + 0.5) / width - 1)[None, :, None]
+        v = (1 - 2 * (np.arange(height) + 0.5) / height)[:, None, None]
+        aspect = width / height
+        if self.projection == "perspective":
+            half = math.tan(math.radians(self.fov) / 2)
+            directions = forward + u * half * aspect * right + v * half * up
+            directions = directions / np.linalg.norm(directions, axis=2, keepdims=True)
+            origins = np.broadcast_to(np.array(self.origin), directions.shape)
+        else:
+            if self.height is None:
+                raise ArgumentError("an orthographic camera needs a height; see Camera.framed")
+            half = self.height / 2
+            origins = np.array(self.origin) + u * half * aspect * right + v * half * up
+            directions = np.broadcast_to(forward, origins.shape)
+        return origins, directions
+
+    def request(self) -> dict[str, Any]:
+        """What the core needs to make the rays."""
+        right, up, forward = self.basis()
+        return {
+            "origin": self.origin,
+            "right": tuple(right.tolist()),
+            "up": tuple(up.tolist()),
+            "forward": tuple(forward.tolist()),
+            "perspective": self.projection == "perspective",
+            "tan_half_fov": math.tan(math.radians(self.fov) / 2),
+            "height": self.height,
+        }
+
+
+def _number(value: Any, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise ArgumentError(f"{what} must be finite, not {number}")
+    return number
