@@ -1,10 +1,12 @@
-// Integer powers above 4 of affine forms by one linear approximation, as Chebyshev forms of smooth functions are built.
+// Integer powers above 4 of affine forms, each by one linear approximation of the whole power.
 //
-// Where the range of the base keeps its sign, a ** n is convex or concave there: it lies on one side of its tangent at the
-// middle, and farthest from it at an end. Where the range holds zero the slope says nothing, and the range is the form.
+// For a base that keeps its sign let a = |x|, r the radius, M = a + r. |base|^n is convex, lies above its tangent at a, and
+// farthest from it at M: by G = M^n - a^n - n a^(n-1) r, and by Taylor's theorem G <= n (n - 1) / 2 M^(n-2) r^2, which does
+// not cancel where r is small. The form is the tangent moved up by G / 2. Where the base may be zero, it is the range.
 
-#define RA_POWER(a, power_n, power_below, n, even) \
-  ra_power(a, power_n((a).x), power_below((a).x), power_n((a).x - ra_reach(a)), power_n((a).x + ra_reach(a)), n, even)
+// power_below(a) = a^(n-1), power_twice(M) = M^(n-2); even: whether n is.
+#define RA_POWER(a, power_below, power_twice, n, even) \
+  ra_power(a, power_below(fabs((a).x)), power_twice(fabs((a).x) + ra_reach(a)), n, even)
 
 // How far from x the values of a form may lie.
 static inline F ra_reach(RA a) {
@@ -15,23 +17,24 @@ static inline F ra_reach(RA a) {
 #endif
 }
 
-// middle, low, high: the powers at x, x - reach, x + reach; below: x ** (n - 1).
-static inline RA ra_power(RA a, F middle, F below, F low, F high, real n, I even) {
-  const F reach = ra_reach(a), slope = n * below;
-  const F at_low = (low - middle) + slope * reach, at_high = (high - middle) - slope * reach;
-  const F least = min(min(at_low, at_high), (F)0), most = max(max(at_low, at_high), (F)0);
-  const F spread = R(0.5) * (most - least);
-  const I through = LE(a.x - reach, (F)0) & GE(a.x + reach, (F)0);
-  const F bottom = SELECT(even, (F)0, low), top = max(low, high);
-  const F flat = R(0.5) * (top - bottom);
-  const F x = SELECT(through, R(0.5) * (bottom + top), middle + R(0.5) * (least + most));
-  const F y = SELECT(through, (F)0, slope * a.y);
-  const F z = SELECT(through, flat, fma(fabs(slope), a.z, spread));
+static inline RA ra_power(RA a, F below, F twice, real n, I even) {
+  const F size = fabs(a.x), reach = ra_reach(a), most = size + reach;
+  const F power = below * size, top = twice * most * most, steep = n * below;
+  const F rise = fma(steep, reach, power);  // the tangent at the far end
 #if IRT_OUTWARD
-  // Each power is known to n / 2 + 1 ulp, the slope to as much.
-  const F size = fabs(low) + fabs(high) + fabs(middle) + R(2.0) * fabs(slope) * reach;
-  return ra(x, y, fma((F)((n + R(6.0)) * ULP), size + z, z + (F)TINY));
+  const real k = (R(0.5) * n + R(3.0)) * ULP;  // a power of n factors errs by n / 2 ulp
+  const F gap = min((top - rise) + k * (top + rise), R(0.5) * n * (n - R(1.0)) * twice * reach * reach * (R(1.0) + R(2.0) * k)) + (F)TINY;
 #else
-  return ra(x, y, z);
+  const F gap = top - rise;
+#endif
+  const I through = LE(size, reach), minus = LT(a.x, (F)0) & ~even;
+  const F x = fma((F)R(0.5), gap, power), y = SELECT(LT(a.x, (F)0) & even, -steep, steep) * a.y;
+  const F z = fma(steep, a.z, R(0.5) * gap);
+  const F middle = SELECT(through, SELECT(even, R(0.5) * top, (F)0), SELECT(minus, -x, x));
+  const F radius = SELECT(through, SELECT(even, R(0.5) * top, top), z);
+#if IRT_OUTWARD
+  return ra(middle, SELECT(through, (F)0, y), fma((F)k, SELECT(through, top, rise + gap), radius) + (F)TINY);
+#else
+  return ra(middle, SELECT(through, (F)0, y), radius);
 #endif
 }

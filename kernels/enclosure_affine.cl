@@ -3,19 +3,26 @@
 typedef RA FORM;
 
 #if IRT_OUTWARD
-#define COORDINATE_ERROR(e) (e)
 #define CERTAIN(v) ((v) * (R(1.0) - R(3.0) * ULP))  // covers the rounding of |y| + z
 #else
-#define COORDINATE_ERROR(e) ((F)0)
 #define CERTAIN(v) (v)
 #endif
+
+// A coordinate; the rounding of its slope is an error as well.
+static inline RA coordinate(F middle, F slope, F e) {
+#if IRT_OUTWARD
+  return ra(middle, slope, fma((F)(R(1.5) * ULP), fabs(slope), e));
+#else
+  return ra(middle, slope, (F)0);
+#endif
+}
 
 // f over the piece from `from` to `to`, in units of the path.
 static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough) {
   const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
-  return irt_affine(ra(fma(middle, path->ux, path->ox), span * path->ux, COORDINATE_ERROR(path->ex)),
-                    ra(fma(middle, path->uy, path->oy), span * path->uy, COORDINATE_ERROR(path->ey)),
-                    ra(fma(middle, path->uz, path->oz), span * path->uz, COORDINATE_ERROR(path->ez))
+  return irt_affine(coordinate(ALONG(path, x, middle), span * path->ux, path->ex),
+                    coordinate(ALONG(path, y, middle), span * path->uy, path->ey),
+                    coordinate(ALONG(path, z, middle), span * path->uz, path->ez)
                     PARAMETERS_PASS, undefined, rough);
 }
 

@@ -12,9 +12,9 @@ static inline IA coordinate(F at_from, F at_to, F e) {
 
 // f over the piece from `from` to `to`, in units of the path.
 static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough) {
-  return irt_interval(coordinate(fma(from, path->ux, path->ox), fma(to, path->ux, path->ox), path->ex),
-                      coordinate(fma(from, path->uy, path->oy), fma(to, path->uy, path->oy), path->ey),
-                      coordinate(fma(from, path->uz, path->oz), fma(to, path->uz, path->oz), path->ez)
+  return irt_interval(coordinate(ALONG(path, x, from), ALONG(path, x, to), path->ex),
+                      coordinate(ALONG(path, y, from), ALONG(path, y, to), path->ey),
+                      coordinate(ALONG(path, z, from), ALONG(path, z, to), path->ez)
                       PARAMETERS_PASS, undefined, rough);
 }
 

@@ -10,27 +10,59 @@
 
 typedef struct {
   F ox, oy, oz, ux, uy, uz;  // position: o + c u, c counting units
-  F ex, ey, ez;              // and its error
-  F start, unit;             // s = start + c unit
-  F in0, in1;                // the units between which everything counts (RANGE)
+#if IRT_SPLIT
+  F lox, loy, loz, lux, luy, luz;  // what rounding o and u to F left over
+#endif
+  F ex, ey, ez;  // and its error
+  F start, unit;  // s = start + c unit
+  F in0, in1;     // the units between which everything counts (RANGE)
 } PATH;
 
-static inline PATH make_path(const RAY* ray, const RANGE* range) {
+// The coordinate after c units. With the left-overs only the last two roundings err: by an ulp of the coordinate.
+#if IRT_SPLIT
+#define ALONG(path, axis, c) (fma(c, path->u##axis, path->o##axis) + fma(c, path->lu##axis, path->lo##axis))
+#define PATH_AXIS(axis, k) \
+  { \
+    const FW o = fma(WIDEN(path.start), ray->wd##axis, ray->wp##axis), u = WIDEN(path.unit) * ray->wd##axis; \
+    path.o##axis = NARROW(o); \
+    path.lo##axis = NARROW(o - WIDEN(path.o##axis)); \
+    path.u##axis = NARROW(u); \
+    path.lu##axis = NARROW(u - WIDEN(path.u##axis)); \
+    path.e##axis = fma((F)(R(1.05) * ULP), max((F)fabs(BOX_LO(k)), (F)fabs(BOX_HI(k))) + ray->e##axis, (F)POSITION_PAD); \
+  }
+#else
+#define ALONG(path, axis, c) fma(c, path->u##axis, path->o##axis)
+#define PATH_AXIS(axis, k) \
+  { \
+    path.o##axis = fma(path.start, ray->d##axis, ray->p##axis); \
+    path.u##axis = path.unit * ray->d##axis; \
+    path.e##axis = ray->e##axis; \
+  }
+#endif
+
+static inline PATH make_path(const RAY* ray, const RANGE* range, __global const real* q) {
   PATH path;
   path.start = range->out0;
   // Long enough to reach out1 in spite of rounding.
   path.unit = (range->out1 - range->out0) * (F)((R(1.0) + R(4.0) * ULP) / (((real)1) * ((long)1 << PATH_LEVELS)));
-  path.ox = fma(path.start, ray->dx, ray->px);
-  path.oy = fma(path.start, ray->dy, ray->py);
-  path.oz = fma(path.start, ray->dz, ray->pz);
-  path.ux = path.unit * ray->dx;
-  path.uy = path.unit * ray->dy;
-  path.uz = path.unit * ray->dz;
-  path.ex = ray->ex;
-  path.ey = ray->ey;
-  path.ez = ray->ez;
+  PATH_AXIS(x, 0)
+  PATH_AXIS(y, 1)
+  PATH_AXIS(z, 2)
   const F inverse = R(1.0) / path.unit;
   path.in0 = fma(range->in0 - path.start, inverse, (F)R(0.5));
   path.in1 = fma(range->in1 - path.start, inverse, (F)R(-0.5));
   return path;
+}
+
+// What is known of the units [lo, hi], as a result.
+static inline ROOT report(const PATH* path, __global const real* q, I status, F lo, F hi) {
+  ROOT root;
+  const F c = SELECT(EQ(status, HIT) | EQ(status, TOUCH), R(0.5) * (lo + hi), lo);
+  root.status = status;
+  root.at = fma(WIDEN(c), WIDEN(path->unit), WIDEN(path->start));
+  root.half_width = max(hi - c, c - lo) * path->unit * (R(1.0) + R(4.0) * ULP);
+#if !IRT_SPLIT
+  root.half_width += ULP * (F)RADIUS;  // the rounding of `at`
+#endif
+  return root;
 }

@@ -1,48 +1,57 @@
 // Rays of a camera: sums of a term per column and a term per row, which the host computed in double.
 //
-// columns, rows: for each, P (3), D (3) and its share of |D|^2, planar with the strides given.
-
-#define TERM(p, stride, k, i) LOAD(p + (k) * (stride) + (i))
+// columns, rows: for each, P (3), D (3), its share of |D|^2 and (rows) tau, planar with the strides given.
 
 #if IRT_LIST  // the pixels of a list: column and row of each
 #define RAY_DECL \
-  __global const real *columns, __global const real *rows, const int column_stride, const int row_stride, \
+  __global const wide *columns, __global const wide *rows, const int column_stride, const int row_stride, \
       __global const int *list
 #define RAY_PASS columns, rows, column_stride, row_stride, list
-static inline F gather(__global const real* from, __global const int* index) {
+static inline FW gather(__global const wide* from, __global const int* index) {
 #if W == 1
   return from[index[0]];
 #else
-  real lanes[W];
+  wide lanes[W];
   for (int i = 0; i < W; ++i) lanes[i] = from[index[2 * i]];
-  return LOAD_PRIVATE(lanes);
+  return LOAD_WIDE(lanes);
 #endif
 }
 #define COLUMN_TERM(k) gather(columns + (k) * column_stride, list + 2 * W * get_global_id(0))
 #define ROW_TERM(k) gather(rows + (k) * row_stride, list + 2 * W * get_global_id(0) + 1)
 #else
-#define RAY_DECL __global const real *columns, __global const real *rows, const int column_stride, const int row_stride
+#define RAY_DECL __global const wide *columns, __global const wide *rows, const int column_stride, const int row_stride
 #define RAY_PASS columns, rows, column_stride, row_stride
-#define COLUMN_TERM(k) LOAD(columns + (k) * column_stride + W * get_global_id(0))
-#define ROW_TERM(k) ((F)rows[(k) * row_stride + get_global_id(1)])
+#define COLUMN_TERM(k) LOAD_WIDE(columns + (k) * column_stride + W * get_global_id(0))
+#define ROW_TERM(k) ((FW)rows[(k) * row_stride + get_global_id(1)])
 #endif
 
 // One axis: position, direction, and the error of any coordinate on the ray: the rounding of both terms, of their sum,
 // of the entry point, of the steps along the ray, and of the evaluation: eight half-ulps of the magnitudes' sum.
-#define AXIS(p, d, e, k) \
+#if IRT_SPLIT
+#define AXIS(p, d, e, wp, wd, k) \
+  { \
+    wp = COLUMN_TERM(k) + ROW_TERM(k); \
+    wd = COLUMN_TERM(3 + k) + ROW_TERM(3 + k); \
+    p = NARROW(wp); \
+    d = NARROW(wd); \
+    e = fma((F)(R(4.0) * ULP), fma((F)RADIUS, fabs(d), fabs(p)), (F)POSITION_PAD); \
+  }
+#else
+#define AXIS(p, d, e, wp, wd, k) \
   { \
     const F pc = COLUMN_TERM(k), pr = ROW_TERM(k), dc = COLUMN_TERM(3 + k), dr = ROW_TERM(3 + k); \
     p = pc + pr; \
     d = dc + dr; \
     e = fma((F)(R(4.0) * ULP), fma((F)RADIUS, fabs(dc) + fabs(dr), fabs(pc) + fabs(pr)), (F)POSITION_PAD); \
   }
+#endif
 
 static inline RAY make_ray(RAY_DECL, __global const real* q) {
   RAY r;
-  AXIS(r.px, r.dx, r.ex, 0)
-  AXIS(r.py, r.dy, r.ey, 1)
-  AXIS(r.pz, r.dz, r.ez, 2)
-  r.tau = (F)TAU;
+  AXIS(r.px, r.dx, r.ex, r.wpx, r.wdx, 0)
+  AXIS(r.py, r.dy, r.ey, r.wpy, r.wdy, 1)
+  AXIS(r.pz, r.dz, r.ez, r.wpz, r.wdz, 2)
+  r.tau = ROW_TERM(7);
   r.length = careful_sqrt(COLUMN_TERM(6) + ROW_TERM(6));
   r.near_out = (F)NEAR_OUT;
   r.near_in = (F)NEAR_IN;

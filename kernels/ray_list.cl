@@ -2,27 +2,33 @@
 //
 // rays: planar with the stride given: P (3), D (3), tau, length, near_out, near_in, far_out, far_in.
 
-#define RAY_DECL __global const real *rays, const int ray_stride
+#define RAY_DECL __global const wide *rays, const int ray_stride
 #define RAY_PASS rays, ray_stride
-#define RAY_TERM(k) LOAD(rays + (k) * ray_stride + W * get_global_id(0))
+#define RAY_TERM(k) LOAD_WIDE(rays + (k) * ray_stride + W * get_global_id(0))
 
 // The rounding of P and D, of the entry point, of the steps along the ray and of the evaluation.
 #define AXIS_ERROR(p, d) fma((F)(R(4.0) * ULP), fma((F)RADIUS, fabs(d), fabs(p)), (F)POSITION_PAD)
 
+#if IRT_SPLIT
+#define SET(v, w, term) w = term, v = NARROW(w);
+#else
+#define SET(v, w, term) v = term;
+#endif
+
 static inline RAY make_ray(RAY_DECL, __global const real* q) {
   RAY r;
-  r.px = RAY_TERM(0);
-  r.py = RAY_TERM(1);
-  r.pz = RAY_TERM(2);
-  r.dx = RAY_TERM(3);
-  r.dy = RAY_TERM(4);
-  r.dz = RAY_TERM(5);
+  SET(r.px, r.wpx, RAY_TERM(0))
+  SET(r.py, r.wpy, RAY_TERM(1))
+  SET(r.pz, r.wpz, RAY_TERM(2))
+  SET(r.dx, r.wdx, RAY_TERM(3))
+  SET(r.dy, r.wdy, RAY_TERM(4))
+  SET(r.dz, r.wdz, RAY_TERM(5))
   r.tau = RAY_TERM(6);
   r.length = RAY_TERM(7);
-  r.near_out = RAY_TERM(8);
-  r.near_in = RAY_TERM(9);
-  r.far_out = RAY_TERM(10);
-  r.far_in = RAY_TERM(11);
+  r.near_out = NARROW(RAY_TERM(8));
+  r.near_in = NARROW(RAY_TERM(9));
+  r.far_out = NARROW(RAY_TERM(10));
+  r.far_in = NARROW(RAY_TERM(11));
   r.ex = AXIS_ERROR(r.px, r.dx);
   r.ey = AXIS_ERROR(r.py, r.dy);
   r.ez = AXIS_ERROR(r.pz, r.dz);

@@ -6,15 +6,13 @@
 #define EPS q[8]
 #define NEAR_OUT q[9]  // s of the nearest t that counts, rounded down and up
 #define NEAR_IN q[10]
-#define TAU q[11]    // t = (TAU + s) |D|
-#define LENGTH q[12]  // |D| of every ray of an orthographic camera
-#define COLOR(channel) q[13 + (channel)]
-#define BACK_COLOR(channel) q[16 + (channel)]
-#define BACKGROUND(channel) q[19 + (channel)]  // the fourth is its alpha
-#define UNRESOLVED_COLOR(channel) q[23 + (channel)]
-#define LIGHT(axis) q[26 + (axis)]
-#define LIGHT_POWER q[29]
-#define SPHERE(i, k) q[30 + 4 * (i) + (k)]  // centre and radius
+#define COLOR(channel) q[11 + (channel)]
+#define BACK_COLOR(channel) q[14 + (channel)]
+#define BACKGROUND(channel) q[17 + (channel)]  // the fourth is its alpha
+#define UNRESOLVED_COLOR(channel) q[21 + (channel)]
+#define LIGHT(axis) q[24 + (axis)]
+#define LIGHT_POWER q[27]
+#define SPHERE(i, k) q[28 + 4 * (i) + (k)]  // centre and radius
 
 #define MISS ((I)0)
 #define HIT ((I)1)
@@ -26,7 +24,10 @@
 typedef struct {
   F px, py, pz, dx, dy, dz;
   F ex, ey, ez;  // bounds of the error of any position on the ray inside the bounds, evaluation included
-  F tau, length;
+#if IRT_SPLIT
+  FW wpx, wpy, wpz, wdx, wdy, wdz;  // position and direction to twice the digits
+#endif
+  FW tau, length;
   F near_out, near_in, far_out, far_in;
 } RAY;
 
@@ -35,14 +36,15 @@ typedef struct {
   F out0, out1, in0, in1;
 } RANGE;
 
-// What a root finder reports: a status, and the bracket [lo, hi] in s.
+// What a root finder reports: a status, and s: the middle of the bracket and half its width, or the start of what is open.
 typedef struct {
   I status;
-  F lo, hi;
+  FW at;
+  F half_width;
 } ROOT;
 
-// sqrt to within one ulp whatever the device's own does: one Newton step.
-static inline F careful_sqrt(F v) {
-  const F r = sqrt(v);
-  return SELECT(GT(r, (F)0), r + fma(-r, r, v) / (r + r), r);
+// The root of v > 0 to within one ulp, whatever the device's own does: one Newton step.
+static inline FW careful_sqrt(FW v) {
+  const FW r = sqrt(v);
+  return r + fma(-r, r, v) / (r + r);
 }

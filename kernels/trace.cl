@@ -12,10 +12,13 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
   const RANGE range = clip_ray(&ray, q);
   const ROOT root = find_root(&ray, &range, q, max_pieces PARAMETERS_PASS);
   const I found = EQ(root.status, HIT) | EQ(root.status, TOUCH);
-  const F s = SELECT(found, R(0.5) * (root.lo + root.hi), root.lo);
-  const F t = max((ray.tau + s) * ray.length, (F)0);
-  // Half the width of the bracket: the rounding of its ends, of tau + s, of |D| and of the product.
-  const F bracket = fma(R(0.5) * (root.hi - root.lo) + ULP * (F)RADIUS, ray.length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
+  const F s = NARROW(root.at), t = max(NARROW((ray.tau + root.at) * ray.length), (F)0), length = NARROW(ray.length);
+  // Half the width of the bracket, and the rounding of t.
+#if IRT_SPLIT
+  const F bracket = fma(root.half_width, length * (R(1.0) + R(4.0) * ULP), R(0.75) * ULP * t + (F)POSITION_PAD);
+#else
+  const F bracket = fma(root.half_width, length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
+#endif
   STORE(SELECT(EQ(root.status, MISS), INF, t), depth + at);
   STORE_BYTES(root.status, status + at);
 #if IRT_OUTWARD
@@ -24,7 +27,7 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
   STORE((F)NAN, uncertainty + at);
 #endif
 #if IRT_NORMAL || IRT_RGB
-  const F none = (F)NAN, less = R(1.0) / ray.length;
+  const F none = (F)NAN, less = R(1.0) / length;
   const F vx = -ray.dx * less, vy = -ray.dy * less, vz = -ray.dz * less;
   F nx = none, ny = none, nz = none;
   I front = ALL;

@@ -30,7 +30,6 @@ constexpr Builtin kBuiltins[] = {
     {"sinh(v)", [](double v) { return std::sinh(v); }},
     {"cosh(v)", [](double v) { return std::cosh(v); }},
     {"tanh(v)", [](double v) { return std::tanh(v); }},
-    {"powr(v, (F)2.5f)", [](double v) { return std::pow(v, 2.5); }},
     {"fma(v, v, (F)1)", [](double v) { return v * v + 1; }},
     {"min(v, (F)0.5f) + max(v, (F)0.5f)", [](double v) { return v + 0.5; }},
     {"clamp(v, (F)0.25f, (F)0.5f)", [](double v) { return std::fmin(std::fmax(v, 0.25), 0.5); }},
@@ -90,10 +89,11 @@ std::string run(Device& device, int width) {
 
 }  // namespace
 
+// Doubles as wide as the floats: rays are set up in them.
 std::string probe(Device& device) {
   const int width = device.info().width;
   std::string wrong = run<float>(device, width);
-  if (wrong.empty() && device.info().fp64) wrong = run<double>(device, std::max(1, width / 2));
+  if (wrong.empty() && device.info().fp64) wrong = run<double>(device, width);
   return wrong;
 }
 

@@ -39,16 +39,24 @@ std::string prelude(const program::Program& program, const Spec& spec) {
     define("IRT_SPHERES", spec.spheres);
     define("IRT_NORMAL", spec.normal);
     define("IRT_RGB", spec.rgb);
+    define("IRT_SPLIT", spec.split);
   }
   text += fmt::format("typedef {} real;\ntypedef {}{} F;\ntypedef {}{} I;\ntypedef uint{} UINT;\n", real, real, w, integer, w, w);
   text += fmt::format("#define TO_F(v) convert_{0}{1}(v)\n#define TO_I(v) convert_{2}{1}(v)\n#define AS_F(v) as_{0}{1}(v)\n"
                       "#define AS_I(v) as_{2}{1}(v)\n#define TO_UINT(v) convert_uint{1}(v)\n", real, w, integer);
+  if (spec.entry != Entry::Enclose) {
+    // Rays are set up in `wide` reals.
+    const std::string setup = spec.split ? "double" : real;
+    text += fmt::format("typedef {0} wide;\ntypedef {0}{1} FW;\n#define WIDEN(v) {2}\n#define NARROW(v) {3}\n#define LOAD_WIDE(p) {4}\n",
+                        setup, w, spec.split ? fmt::format("convert_double{}(v)", w) : "(v)",
+                        spec.split ? fmt::format("convert_float{}(v)", w) : "(v)", spec.width == 1 ? "(*(p))" : fmt::format("vload{}(0, p)", w));
+  }
   if (spec.width == 1) {
-    text += "#define LOAD(p) (*(p))\n#define LOAD_PRIVATE(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n"
+    text += "#define LOAD(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n"
             "#define STORE_BYTES(v, p) (*(p) = convert_uchar(v))\n#define STORE_FLOAT(v, p) (*(p) = convert_float(v))\n"
             "#define STORE_UINT(v, p) (*(p) = (v))\n";
   } else {
-    text += fmt::format("#define LOAD(p) vload{0}(0, p)\n#define LOAD_PRIVATE(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n"
+    text += fmt::format("#define LOAD(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n"
                         "#define STORE_BYTES(v, p) vstore{0}(convert_uchar{0}(v), 0, p)\n"
                         "#define STORE_FLOAT(v, p) vstore{0}(convert_float{0}(v), 0, p)\n#define STORE_UINT(v, p) vstore{0}(v, 0, p)\n",
                         spec.width);
@@ -62,7 +70,7 @@ std::string prelude(const program::Program& program, const Spec& spec) {
 }
 
 // Library files in the order in which they build on one another.
-constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "interval_power.cl", "interval_exponential.cl",
+constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "interval_exponential.cl", "interval_power.cl",
                                        "interval_trigonometric.cl", "interval_step.cl", "interval_modulo.cl",
                                        "interval_choice.cl", "affine.cl", "affine_power.cl"};
 
@@ -72,6 +80,7 @@ const char* entry_name(Entry entry) { return entry == Entry::Enclose ? "enclose_
 
 std::string assemble(const program::Program& program, const Spec& spec) {
   program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision) : program::emit_interval(program, spec.precision);
+  if (f.files.count("interval_power.cl")) f.files.insert("interval_exponential.cl");
   if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
   std::string text = prelude(program, spec);
   const auto include = [&](const std::string& name) { text += fmt::format("\n// ---- {}\n", name) + library_file(name); };

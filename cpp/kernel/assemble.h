@@ -16,6 +16,7 @@ struct Spec {
   program::Precision precision = program::Precision::Single;
   int width = 16;        // reals per packet
   bool outward = true;   // rounding="outward"
+  bool split = false;    // rays are set up in double and carried as pairs of floats; needs fp64
   bool infinite = true;  // intermediate values may be infinite (program::magnitude)
   int spheres = 0;       // balls among the bounds
   bool normal = false;

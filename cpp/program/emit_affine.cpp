@@ -124,10 +124,10 @@ class AffineEmitter {
     // Above 4 one linear approximation of the whole power loses less than a chain of squares and products.
     if (n == 3) return fmt::format("ra_mul(ra_sqr({0}), {0})", a);
     if (n == 4) return fmt::format("ra_sqr(ra_sqr({}))", a);
-    powers_.insert(n);
     powers_.insert(n - 1);
+    powers_.insert(n - 2);
     out_.files.insert("affine_power.cl");
-    return fmt::format("RA_POWER({0}, power_{1}, power_{2}, R({1}.0), {3})", a, n, n - 1, n % 2 == 0 ? "ALL" : "NONE");
+    return fmt::format("RA_POWER({0}, power_{1}, power_{2}, R({3}.0), {4})", a, n - 1, n - 2, n, n % 2 == 0 ? "ALL" : "NONE");
   }
 };
 

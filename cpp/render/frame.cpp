@@ -9,16 +9,16 @@ namespace {
 using program::Precision;
 using vec = glm::vec<3, long double>;
 
-constexpr int kTerms = 7;  // P, D, share of |D|^2
+constexpr int kTerms = 8;  // P, D, share of |D|^2, tau
 
 // Rays of `view` relative to the plane through the middle of the bounds (kernels/ray_camera.cl).
 class CameraTerms {
  public:
-  CameraTerms(const View& view, const Bounds& bounds, Precision precision, int width)
+  CameraTerms(const View& view, const Bounds& bounds, Precision wide, int width)
       : column_stride((view.columns + width - 1) / width * width),
         row_stride(view.rows),
-        columns(precision, kTerms * column_stride),
-        rows(precision, kTerms * row_stride) {
+        columns(wide, kTerms * column_stride),
+        rows(wide, kTerms * row_stride) {
     const vec origin(view.origin), right(view.right), up(view.up), forward(view.forward);
     const long double distance = glm::dot(vec(bounds.center()) - origin, forward);
     tau = static_cast<double>(distance);
@@ -47,6 +47,7 @@ class CameraTerms {
         rows.set((3 + k) * row_stride + row, static_cast<double>(d[k]));
       }
       rows.set(6 * row_stride + row, view.perspective ? static_cast<double>(1 + sy * sy) : 1);
+      rows.set(7 * row_stride + row, tau);
       widest = std::max(widest, std::fabs(sy));
     }
     // The basis itself is known to about a double's precision.
@@ -68,6 +69,7 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   spec.rgb = options.rgb;
   spec.precision = precision;
   spec.width = packet_width(device, precision);
+  spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
   // Brackets may reach a little out of the bounds.
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
@@ -78,8 +80,8 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
             device::Device& device, Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch) {
   const kernel::Spec spec = spec_of(program, bounds, options, device, precision,
                                     pixels ? kernel::Entry::PixelList : kernel::Entry::Camera);
-  const CameraTerms terms(view, bounds, precision, spec.width);
-  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau, terms.tau);
+  const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
                          : make_answer(view.columns, view.rows, spec.width, precision, options);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device);

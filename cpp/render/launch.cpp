@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kAlignment = 64;
 // Pieces of one ray: hard surfaces need some thousands; beyond this the ray is UNRESOLVED.
 constexpr int kMaxPieces = 1 << 16;
-constexpr std::size_t kSettings = 30;
+constexpr std::size_t kSettings = 28;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -57,6 +57,10 @@ int packet_width(const device::Device& device, program::Precision precision) {
   return precision == program::Precision::Double ? std::max(1, width / 2) : width;
 }
 
+bool splits(const device::Device& device, const Options& options, program::Precision precision) {
+  return precision == program::Precision::Single && options.outward && device.info().fp64;
+}
+
 bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
                       program::Precision precision) {
   const double at[3] = {coordinates.x, coordinates.y, coordinates.z};
@@ -78,24 +82,23 @@ Reals parameter_ends(const program::Program& program, const Options& options, pr
 double reach(const Bounds& bounds) { return 0.5 * glm::length(bounds.upper - bounds.lower) * (1 + 1e-6); }
 
 Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
-                     double near, double tau) {
+                     double near) {
   Reals q(precision, kSettings + 4 * bounds.balls.size());
   for (int k = 0; k < 3; ++k) {
     q.set(k, bounds.lower[k]);
     q.set(3 + k, bounds.upper[k]);
-    q.set(13 + k, options.color[k]);
-    q.set(16 + k, options.back_color[k]);
-    q.set(23 + k, options.unresolved_color[k]);
-    q.set(26 + k, options.light[k]);
+    q.set(11 + k, options.color[k]);
+    q.set(14 + k, options.back_color[k]);
+    q.set(21 + k, options.unresolved_color[k]);
+    q.set(24 + k, options.light[k]);
   }
-  for (int k = 0; k < 4; ++k) q.set(19 + k, options.background[k]);
+  for (int k = 0; k < 4; ++k) q.set(17 + k, options.background[k]);
   q.set_above(6, reach(bounds));
   q.set_above(7, position_pad);
   q.set(8, options.eps);
   q.set_below(9, near);
   q.set_above(10, near);
-  q.set(11, tau);
-  q.set(29, glm::length(options.light) > 0 ? 1 : 0);
+  q.set(27, glm::length(options.light) > 0 ? 1 : 0);
   for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
     for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
     q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);

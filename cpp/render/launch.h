@@ -13,6 +13,9 @@ namespace irt::render {
 // Packets of doubles are half as wide: the same bytes.
 int packet_width(const device::Device& device, program::Precision precision);
 
+// Whether rays are set up in double for a kernel of single precision.
+bool splits(const device::Device& device, const Options& options, program::Precision precision);
+
 // Whether values may overflow for coordinates and parameters of these sizes.
 bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
                       program::Precision precision);
@@ -20,9 +23,9 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
 // Lower and upper ends of each parameter, rounded outward.
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision);
 
-// The settings of kernels/scene.cl; near and tau are those of a camera.
+// The settings of kernels/scene.cl; near is that of a camera.
 Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
-                     double near, double tau);
+                     double near);
 
 // The distance from the middle of the bounds to its corners, and a little more.
 double reach(const Bounds& bounds);

@@ -25,8 +25,11 @@ inline float float_above(double v) {
 
 class Reals {
  public:
-  Reals(program::Precision precision, std::size_t count)
-      : precision_(precision), memory_(std::max<std::size_t>(count, 1) * size_of(precision)) {}
+  // `rounding`: the precision to which set_below and set_above round, where it is another.
+  Reals(program::Precision precision, std::size_t count, program::Precision rounding)
+      : precision_(precision), rounding_(rounding), memory_(std::max<std::size_t>(count, 1) * size_of(precision)) {}
+
+  Reals(program::Precision precision, std::size_t count) : Reals(precision, count, precision) {}
 
   void set(std::size_t i, double v) {
     if (precision_ == program::Precision::Double) {
@@ -38,11 +41,11 @@ class Reals {
   // v known to about 1e-16 relative, rounded so that it stays on its side.
   void set_below(std::size_t i, double v) {
     v -= 4e-16 * std::fabs(v);
-    set(i, precision_ == program::Precision::Double ? v : static_cast<double>(float_below(v)));
+    set(i, rounding_ == program::Precision::Double ? v : static_cast<double>(float_below(v)));
   }
   void set_above(std::size_t i, double v) {
     v += 4e-16 * std::fabs(v);
-    set(i, precision_ == program::Precision::Double ? v : static_cast<double>(float_above(v)));
+    set(i, rounding_ == program::Precision::Double ? v : static_cast<double>(float_above(v)));
   }
   double get(std::size_t i) const {
     return precision_ == program::Precision::Double ? memory_.as<double>()[i] : static_cast<double>(memory_.as<float>()[i]);
@@ -52,7 +55,7 @@ class Reals {
   }
 
  private:
-  program::Precision precision_;
+  program::Precision precision_, rounding_;
   Memory memory_;
 };
 

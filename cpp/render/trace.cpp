@@ -24,8 +24,8 @@ struct RayTerms {
 };
 
 RayTerms make_terms(const Rays& rays, const std::vector<std::size_t>* which, std::size_t count, std::size_t padded,
-                    const Bounds& bounds, Precision precision) {
-  RayTerms out{Reals(precision, kTerms * padded)};
+                    const Bounds& bounds, Precision precision, bool split) {
+  RayTerms out{Reals(split ? Precision::Double : precision, kTerms * padded, precision)};
   const vec center(bounds.center());
   long double farthest = 0;
   const double largest = precision == Precision::Double ? 1e150 : 1e18;
@@ -66,12 +66,13 @@ Answer pass(const program::Program& program, const Rays& rays, const std::vector
   spec.entry = kernel::Entry::RayList;
   spec.precision = precision;
   spec.width = packet_width(device, precision);
+  spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
   const std::size_t count = which ? which->size() : rays.count;
   Answer answer = make_answer(count, 1, spec.width, precision, options);
-  const RayTerms terms = make_terms(rays, which, count, answer.pitch, bounds, precision);
-  const Reals settings = scene_settings(bounds, options, precision, terms.pad, 0, 0);
+  const RayTerms terms = make_terms(rays, which, count, answer.pitch, bounds, precision, spec.split);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, 0);
   const auto buffer = terms.terms.buffer(device);
   launch(program, spec, {buffer.get(), static_cast<std::int32_t>(answer.pitch)}, settings, options, device, answer);
   return answer;

@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,7 +31,7 @@ __all__ = ["Device", "describe", "devices", "open_device"]
 
 WIDTHS = (1, 4, 8, 16)
 PROBE_SECONDS = 20.0
-_MEMORY_VERSION = 1
+_MEMORY_VERSION = 3
 _INSTALL = (
     "install one: `apt-get install pocl-opencl-icd gcc binutils` (Debian, Ubuntu), or "
     "`pip install implicitrt[intel]`"
@@ -80,6 +81,7 @@ class _Verdict:
     gpu: bool = False
     fp64: bool = False
     widths: dict[str, str] = field(default_factory=dict)  # width -> "works" or what happened
+    path: str = ""  # where another copy of the library has to be loaded
 
     @property
     def width(self) -> int:
@@ -264,8 +266,52 @@ def _verdict(driver: _Driver) -> _Verdict:
         with contextlib.suppress(TypeError):
             return _Verdict(**known)  # type: ignore[arg-type]
     verdict = _probe(driver)
+    if driver.label == "pocl (pip)" and verdict.width < WIDTHS[-1]:
+        mirror = _pocl_mirror(driver.path)
+        if mirror:
+            mirrored = _probe(_Driver(driver.label, mirror))
+            if mirrored.width > verdict.width:
+                mirrored.path = mirror
+                verdict = mirrored
     _remember(identity, verdict)
     return verdict
+
+
+def _pocl_mirror(path: str) -> str:
+    """A folder of links to PyPI's PoCL in which its AVX-512 builtins, which it cannot compile on many CPUs, are those of
+    AVX2. Returns the library's path in it, or "" where there is nothing to mirror."""
+    library = Path(path)
+    try:
+        files = importlib.metadata.files("pocl-binary-distribution") or []
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+    wide = next((f for f in files if f.name.endswith("-avx512.bc")), None)
+    if wide is None:
+        return ""
+    builtins = Path(str(wide.locate())).resolve()
+    narrow = builtins.with_name(builtins.name.replace("avx512", "avx2"))
+    if not narrow.exists():
+        return ""
+    # PoCL finds its data relative to its own path, so the layout stays.
+    top = Path(os.path.commonpath([library, builtins]))
+    root = _cache_home() / f"pocl-{zlib.crc32(path.encode()):08x}"
+    try:
+        for folder in (library.parent, builtins.parent.parent.parent):
+            for source in sorted(folder.rglob("*")):
+                if source.is_file():
+                    link = root / source.relative_to(top)
+                    link.parent.mkdir(parents=True, exist_ok=True)
+                    _link(narrow if source == builtins else source, link)
+    except OSError:
+        return ""
+    return str(root / library.relative_to(top))
+
+
+def _link(source: Path, link: Path) -> None:
+    if link.is_symlink():
+        link.unlink()
+    if not link.exists():
+        link.symlink_to(source)
 
 
 def _examine(driver: _Driver) -> Device:
@@ -282,7 +328,7 @@ def _examine(driver: _Driver) -> Device:
     return Device(
         name=verdict.name or driver.path, driver=driver.label, version=verdict.version,
         width=max(verdict.width, 1), ok=ok, reason=reason, gpu=verdict.gpu, fp64=verdict.fp64,
-        path=driver.path,
+        path=verdict.path or driver.path,
     )  # fmt: skip
 
 

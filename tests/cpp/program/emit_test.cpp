@@ -1,0 +1,72 @@
+// Programs share what is common, keep even powers, and kernels contain only what they need.
+#include "program/emit.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "error.h"
+#include "expr/parse.h"
+#include "kernel/assemble.h"
+
+namespace irt::program {
+namespace {
+
+long count(const Program& p, Code code) {
+  return std::count_if(p.code.begin(), p.code.end(), [&](const Instruction& i) { return i.code == code; });
+}
+
+TEST(Lower, SharesCommonParts) {
+  const Program p = lower(parse("sin(x*y) + sin(x*y)^2"));
+  EXPECT_EQ(count(p, Code::Sin), 1);
+  EXPECT_EQ(count(p, Code::Sqr), 1);
+}
+
+TEST(Lower, KeepsEvenPowersAndFoldsConstants) {
+  const Program p = lower(parse("x^200 + sqrt(5)*pi*y - 1"));
+  EXPECT_EQ(count(p, Code::Power), 1);
+  EXPECT_EQ(count(p, Code::Sqrt), 0);
+  EXPECT_EQ(count(p, Code::Mul), 1);
+}
+
+TEST(Lower, ParametersAreSortedAndNotFolded) {
+  const Program p = lower(parse("b*x + a*y"));
+  EXPECT_EQ(p.parameters, (std::vector<std::string>{"a", "b"}));
+  EXPECT_THROW(lower(parse("x < y")), ExpressionError);
+}
+
+TEST(Lower, DivisionStaysDivision) {
+  EXPECT_EQ(count(lower(parse("x/y")), Code::Div), 1);
+  EXPECT_EQ(count(lower(parse("3/y")), Code::Recip), 1);
+}
+
+std::string source(const char* text, bool affine, bool normal) {
+  kernel::set_directory(IRT_KERNEL_DIR);
+  return kernel::assemble(lower(parse(text)), {.affine = affine, .normal = normal});
+}
+
+TEST(Assemble, KernelsContainOnlyWhatTheSceneUses) {
+  const std::string plain = source("x^2 + y^2 + z^2 - 1", false, false);
+  EXPECT_EQ(plain.find("ra_mul"), std::string::npos);
+  EXPECT_EQ(plain.find("irt_gradient(F"), std::string::npos);
+  EXPECT_EQ(plain.find("ia_sin"), std::string::npos);
+  EXPECT_EQ(plain.find("ia_recip"), std::string::npos);
+  EXPECT_NE(source("sin(x) + y", true, true).find("ia_sin"), std::string::npos);
+  EXPECT_NE(source("sin(x) + y", true, true).find("irt_gradient(F"), std::string::npos);
+}
+
+TEST(Assemble, UserTextStandsOnlyInComments) {
+  const std::string text = source("evil_name*x + y", false, false);
+  EXPECT_NE(text.find("// p[0], p[1]: bounds of evil_name\n"), std::string::npos);
+  EXPECT_EQ(text.find("evil_name"), text.rfind("evil_name"));
+}
+
+TEST(Magnitude, TellsWhatCanOverflow) {
+  const double at[3] = {2, 2, 2};
+  EXPECT_LT(magnitude(lower(parse("x^2 + 3*y")), at, {}), 100);
+  EXPECT_GT(magnitude(lower(parse("x^200")), at, {}), 1e36);
+  EXPECT_GT(magnitude(lower(parse("1/x")), at, {}), 1e300);
+}
+
+}  // namespace
+}  // namespace irt::program

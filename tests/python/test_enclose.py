@@ -1,0 +1,121 @@
+"""Inclusion: enclosures contain the values at inner points, for every operator, algebra, precision and width."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import implicitrt as irt
+
+OPERATORS = [
+    "x + y", "x - y", "x*y", "x/y", "x^2", "x^3", "x^7", "x^8", "x^-2", "sqrt(x)", "cbrt(x)", "x^(3/2)", "x^(-1/3)", "Abs(x)^y", "exp(x)",
+    "log(x)", "sinh(x)", "cosh(x)", "tanh(x)", "sin(x)", "cos(x)", "tan(x)", "asin(x)", "acos(x)", "atan(x)", "atan2(x, y)", "Abs(x)",
+    "sign(x)", "floor(x)", "ceiling(x)", "Min(x, y)", "Max(x, y)", "Mod(x, y)", "Piecewise((x, x < y), (y^2, True))", "2.3*x + 0.1", "pi - x",
+    "x*y*z - x*y + 3",
+]  # fmt: skip
+
+
+def _boxes(seed: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes of all sizes: scales from 1e-6 to 1e4, widths from points to wide, some with exact ends."""
+    rng = np.random.default_rng(seed)
+    scale = 10.0 ** rng.uniform(-6, 4, (count, 3))
+    scale[: count // 2] = 10.0 ** rng.uniform(-1, 1, (count // 2, 3))
+    centre = rng.uniform(-1, 1, (count, 3)) * scale
+    width = scale * 10.0 ** rng.uniform(-6, 0.5, (count, 3)) * (rng.random((count, 3)) > 0.1)
+    low, high = (centre - width).astype(np.float32), (centre + width).astype(np.float32)
+    return low.astype(np.float64), high.astype(np.float64)
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("algebra", ["ia", "raa"])
+@pytest.mark.parametrize("formula", OPERATORS)
+def test_operators_contain_their_values(formula: str, algebra: str, precision: str) -> None:
+    f = irt.parse(formula)
+    low, high = _boxes(7, 1500)
+    box = irt.enclose(f, low, high, algebra=algebra, precision=precision).astype(np.float64)
+    rng = np.random.default_rng(8)
+    for k in range(12):
+        share = rng.random(low.shape) if k > 2 else np.full(low.shape, k / 2)
+        p = low + share * (high - low)
+        with np.errstate(all="ignore"):
+            value = f.evaluate(*p.T)
+        slack = 4e-15 * np.abs(value) + 1e-300  # the host's own rounding
+        known = np.isfinite(value)
+        inside = (box[:, 0] <= value + slack) & (value - slack <= box[:, 1])
+        bad = known & ~inside
+        assert not bad.any(), (formula, p[bad][0], value[bad][0], box[bad][0])
+
+
+def test_widths_and_drivers_agree(device: str) -> None:
+    f = irt.parse("sin(x)*exp(y)/(1 + z^2) + Max(x, y)^3 - sqrt(Abs(z))")
+    low, high = _boxes(3, 500)
+    box = irt.enclose(f, low, high, device=device).astype(np.float64)
+    value = f.evaluate(*(0.5 * (low + high)).T)
+    known = np.isfinite(value)
+    slack = 4e-15 * np.abs(value)
+    assert ((box[:, 0] <= value + slack) & (value - slack <= box[:, 1]))[known].all()
+
+
+def test_known_ranges() -> None:
+    assert irt.enclose("x^2", [-1, 0, 0], [2, 0, 0])[0] == pytest.approx([0, 4], abs=1e-5)
+    whole = irt.enclose("1/x", [-1, 0, 0], [1, 0, 0])[0]
+    assert whole[0] == -np.inf and whole[1] == np.inf
+    assert np.isnan(irt.enclose("sqrt(x)", [-2, 0, 0], [-1, 0, 0])).all()
+    assert np.isnan(irt.enclose("log(x)", [-2, 0, 0], [-1, 0, 0], algebra="raa")).all()
+    clipped = irt.enclose("sqrt(x)", [-2, 0, 0], [4, 0, 0])[0]
+    assert clipped[0] == 0 and clipped[1] == pytest.approx(2, abs=1e-5)
+    endless = irt.enclose("x + 1", [0, 0, 0], [np.inf, 0, 0])[0]
+    assert endless[0] <= 1 and endless[1] == np.inf
+
+
+def test_rays_follow_the_dependence() -> None:
+    loose = irt.enclose_rays("x - y", [0, 0, 0], [1, 1, 0], 0, 1, algebra="ia")[0]
+    tight = irt.enclose_rays("x - y", [0, 0, 0], [1, 1, 0], 0, 1, algebra="raa")[0]
+    assert loose[1] - loose[0] > 1.9 and tight[1] - tight[0] < 1e-5
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: irt.enclose("x", [1, 0, 0], [0, 0, 0]),
+        lambda: irt.enclose("x", [np.nan, 0, 0], [0, 0, 0]),
+        lambda: irt.enclose_rays("x", [0, 0, 0], [1, 0, 0], 1, 0),
+        lambda: irt.enclose_rays("x", [0, 0, 0], [0, 0, 0], 0, 1),
+        lambda: irt.enclose("x", [0, 0], [1, 1]),
+        lambda: irt.enclose("x", [0, 0, 0], [1, 1, 1], algebra="aa"),
+    ],
+)
+def test_bad_boxes_are_refused(call) -> None:
+    with pytest.raises(irt.ArgumentError):
+        call()
+
+
+LEAVES = st.sampled_from([irt.x, irt.y, irt.z]) | st.integers(-3, 3).map(irt.sympify) | st.floats(-2, 2).map(irt.sympify)
+
+
+def _grow(children):
+    unary = [irt.sin, irt.cos, irt.exp, irt.Abs, irt.atan, irt.tanh, irt.floor, irt.sqrt, irt.cbrt, lambda e: e**2, lambda e: e**3, lambda e: -e]
+    pair = [lambda a, b: a + b, lambda a, b: a - b, lambda a, b: a * b, irt.Min, irt.Max]
+    return st.builds(lambda f, a: f(a), st.sampled_from(unary), children) | st.builds(lambda f, a, b: f(a, b), st.sampled_from(pair), children, children)
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@given(st.recursive(LEAVES, _grow, max_leaves=6), st.integers(0, 1000))
+def test_random_expressions(f: irt.Expr, seed: int) -> None:
+    low, high = _boxes(seed, 32)
+    low, high = np.clip(low, -4, 4), np.clip(high, -4, 4)
+    try:
+        boxes = {a: irt.enclose(f, low, high, algebra=a).astype(np.float64) for a in ("ia", "raa")}
+    except irt.ExpressionError:
+        return  # a constant part without a value
+    rng = np.random.default_rng(seed)
+    for _ in range(8):
+        p = low + rng.random(low.shape) * (high - low)
+        with np.errstate(all="ignore"):
+            value = f.evaluate(*p.T)
+        slack = 1e-9 * np.abs(value) + 1e-12
+        for algebra, box in boxes.items():
+            bad = np.isfinite(value) & ~((box[:, 0] <= value + slack) & (value - slack <= box[:, 1]))
+            assert not bad.any(), (str(f), algebra, p[bad][0], value[bad][0], box[bad][0])

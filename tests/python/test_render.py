@@ -1,0 +1,198 @@
+"""render and trace: geometry, statuses, outputs, parameters, errors."""
+
+from __future__ import annotations
+
+import math
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import implicitrt as irt
+from implicitrt import Status
+
+SPHERE = "x^2 + y^2 + z^2 = 1"
+
+
+def _sphere_depth(camera: irt.Camera, size: tuple[int, int]) -> np.ndarray:
+    origins, directions = camera.rays(size)
+    b = (origins * directions).sum(axis=2)
+    c = (origins**2).sum(axis=2) - 1
+    root = b * b - c
+    return np.where(root >= 0, -b - np.sqrt(np.maximum(root, 0)), np.inf)
+
+
+@pytest.mark.parametrize("method", ["ia", "raa"])
+@pytest.mark.parametrize("rounding", ["outward", "fast"])
+def test_sphere(device: str, method: str, rounding: str) -> None:
+    camera = irt.Camera((2, 1.5, 3))
+    frame = irt.render(SPHERE, camera=camera, size=(61, 45), method=method, rounding=rounding, eps=1e-4, device=device)
+    expected = _sphere_depth(camera, (61, 45))
+    both = np.isfinite(frame.depth) & np.isfinite(expected)
+    assert (np.isfinite(frame.depth) == np.isfinite(expected)).mean() > 0.998
+    assert np.abs(frame.depth - expected)[both].max() < 2e-3  # grazing rays
+    assert np.median(np.abs(frame.depth - expected)[both]) < 1e-4
+    assert frame.rgb.shape == (45, 61, 3) and frame.rgb.dtype == np.uint8
+    assert frame.normal.shape == (45, 61, 3) and frame.normal.dtype == np.float32
+    assert np.abs(frame.normal - frame.points)[frame.hit].max() < 5e-3
+    assert frame.stats.proven == (rounding == "outward")
+    if rounding == "outward":
+        hit = frame.status == Status.HIT
+        assert (np.abs(frame.depth - expected)[hit] <= frame.uncertainty[hit]).all()
+        assert not np.isfinite(expected[frame.status == Status.MISS]).any()
+    else:
+        assert np.isnan(frame.uncertainty).all()
+
+
+def test_double_precision(device: str) -> None:
+    camera = irt.Camera((2, 1.5, 3))
+    frame = irt.render(SPHERE, camera=camera, size=(17, 13), precision="double", eps=1e-9, device=device)
+    expected = _sphere_depth(camera, (17, 13))
+    assert frame.depth.dtype == np.float64
+    hit = frame.status == Status.HIT
+    assert hit.sum() > 10
+    assert np.abs(frame.depth - expected)[hit].max() < 1e-8
+
+
+def test_orthographic() -> None:
+    camera = irt.Camera((0, 0, 5), projection="orthographic", height=3)
+    frame = irt.render(SPHERE, camera=camera, size=(40, 30), eps=1e-4)
+    expected = _sphere_depth(camera, (40, 30))
+    hit = frame.status == Status.HIT
+    assert hit.sum() > 300
+    assert (np.abs(frame.depth - expected)[hit] <= frame.uncertainty[hit]).all()
+
+
+def test_far_camera_loses_nothing() -> None:
+    camera = irt.Camera((0, 0, 1e5), fov=0.0015)
+    frame = irt.render(SPHERE, camera=camera, size=(32, 32), eps=1e-3)
+    expected = _sphere_depth(camera, (32, 32))
+    hit = frame.status == Status.HIT
+    assert frame.depth.dtype == np.float64
+    assert hit.sum() > 300
+    assert np.abs(frame.depth - expected)[hit].max() < 1e-3
+
+
+def test_eye_inside_the_bounds_and_on_the_surface() -> None:
+    inside = irt.render(SPHERE, camera=irt.Camera((0, 0, 0.5), target=(0, 0, -1)), size=(16, 16))
+    assert (inside.status == Status.HIT).all()
+    on = irt.trace("z", [0, 0, 0], [0, 0, 1], bounds=1)
+    assert on.hit[0] and on.t[0] <= 1e-3
+
+
+def test_bounds_clip() -> None:
+    ball = irt.render("z", bounds=irt.Sphere((0, 0, 0), 1), camera=irt.Camera((0, 0, 5)), size=(64, 64))
+    radius = np.linalg.norm(ball.points[ball.hit], axis=1)
+    assert radius.max() <= 1 + 1e-3
+    both = irt.render("z", bounds=[((-0.5, 2), (-2, 2), (-2, 2)), irt.Sphere((0, 0, 0), 1)], camera=irt.Camera((0, 0, 5)), size=(64, 64))
+    assert both.points[both.hit][:, 0].min() >= -0.5 - 1e-3
+    assert both.hit.sum() < ball.hit.sum()
+
+
+def test_parameters_compile_nothing() -> None:
+    first = irt.render("x^2 + y^2 + z^2 - a^2", params={"a": 0.5}, size=(32, 32), isovalue=0.0)
+    second = irt.render("x^2 + y^2 + z^2 - a^2", params={"a": 1.25}, size=(32, 32), isovalue=0.1)
+    assert second.stats.builds == 0
+    assert second.hit.sum() > first.hit.sum()
+
+
+def test_outputs_and_transparency() -> None:
+    frame = irt.render(SPHERE, size=(8, 8), outputs=())
+    with pytest.raises(irt.ArgumentError, match="outputs"):
+        _ = frame.rgb
+    clear = irt.render(SPHERE, size=(8, 8), background=None)
+    assert set(np.unique(clear.rgba[..., 3])) <= {0, 255} and clear.rgba[0, 0, 3] == 0
+
+
+def test_poles_and_jumps_are_no_hits() -> None:
+    pole = irt.trace("1/x", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=2, bounds=2)
+    assert pole.status[0] in (Status.MISS, Status.UNRESOLVED)
+    jump = irt.trace("sign(x)", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=2, bounds=2)
+    assert jump.status[0] == Status.TOUCH
+    assert irt.trace("log(x) + 5", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=2, bounds=2).hit[0]
+
+
+def test_even_root_is_a_touch() -> None:
+    assert irt.trace("(z - 1/3)^2", [0, 0, 2], [0, 0, -1], bounds=1).status[0] == Status.TOUCH
+
+
+def test_budgets() -> None:
+    spent = irt.render("sin(40*x)*sin(40*y)*sin(40*z) + 1.0001", size=(16, 16), method="ia", max_pieces=20)
+    assert spent.stats.counts["UNRESOLVED"] > 0 and "UNRESOLVED" in repr(spent)
+    late = irt.render(SPHERE, size=(64, 64), time_limit=1e-9)
+    assert late.stats.counts["UNRESOLVED"] == 64 * 64
+
+
+def test_trace_shapes() -> None:
+    none = irt.trace(SPHERE, np.zeros((0, 3)), np.zeros((0, 3)), bounds=2)
+    assert none.t.shape == (0,) and none.normal.shape == (0, 3)
+    rays = irt.trace(SPHERE, (0, 0, 3), np.array([[0, 0, -1], [0, 0, -2], [0, 1, 0]], dtype=np.float32), bounds=2)
+    assert rays.t == pytest.approx([2, 1, math.inf], abs=1e-3)
+    assert rays.points[0] == pytest.approx([0, 0, 1], abs=1e-3)
+    finite = irt.trace(SPHERE, (0, 0, 3), (0, 0, -1), tmax=10)
+    assert finite.t[0] == pytest.approx(2, abs=1e-2)
+    assert irt.trace(SPHERE, (0, 0, 3), (0, 0, -1), tmin=2.5, bounds=2).t[0] == pytest.approx(4, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda: irt.render("x^2 + a", size=(4, 4)), irt.ArgumentError, "'a' has no value"),
+        (lambda: irt.render("a*x", params={"b": 1, "a": 1}), irt.ArgumentError, "unknown parameter 'b'"),
+        (lambda: irt.render("a*x", params={"a": math.nan}), irt.ArgumentError, "finite"),
+        (lambda: irt.render("x", method="rai"), irt.ArgumentError, "'raa'"),
+        (lambda: irt.render("x", size=(0, 4)), irt.ArgumentError, "at least"),
+        (lambda: irt.render("x", size=(10**6, 10**6)), irt.LimitError, "limit"),
+        (lambda: irt.render("x", eps=-1), irt.ArgumentError, "eps"),
+        (lambda: irt.render("x", bounds=((1, 0), (0, 1), (0, 1))), irt.ArgumentError, "empty"),
+        (lambda: irt.render("x", color="blurple"), irt.ArgumentError, "colour"),
+        (lambda: irt.render("x", precision="half"), irt.ArgumentError, "precision"),
+        (lambda: irt.render("x < y"), irt.ExpressionError, "condition"),
+        (lambda: irt.trace("x", (0, 0, 0), (0, 0, 0), bounds=1), irt.ArgumentError, "zero vector"),
+        (lambda: irt.trace("x", (0, 0, 0), (1, 0, 0)), irt.ArgumentError, "infinite"),
+        (lambda: irt.trace("x", np.zeros((2, 3)), np.ones((3, 3)), bounds=1), irt.ArgumentError, "lengths"),
+        (lambda: irt.render("x", device="no such device"), irt.DeviceError, "no such device"),
+        (lambda: irt.render("log(-1 - cos(1)) + x", size=(4, 4)), irt.ExpressionError, "no value"),
+    ],
+)  # fmt: skip
+def test_errors_say_what_to_do(call, error, words) -> None:
+    with pytest.raises(error, match=words):
+        call()
+
+
+def test_threads_render_the_same() -> None:
+    alone = irt.render("barth_sextic" and irt.surfaces["barth_sextic"], size=(96, 96))
+    frames: list[irt.Frame] = []
+    threads = [threading.Thread(target=lambda: frames.append(irt.render(irt.surfaces["barth_sextic"], size=(96, 96)))) for _ in range(4)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert len(frames) == 4
+    assert all(np.array_equal(f.depth, alone.depth) and np.array_equal(f.rgb, alone.rgb) for f in frames)
+
+
+def test_save(tmp_path: Path) -> None:
+    from PIL import Image
+
+    frame = irt.render(SPHERE, size=(20, 10))
+    frame.save(tmp_path / "a.png")
+    assert np.array_equal(np.asarray(Image.open(tmp_path / "a.png")), frame.rgb)
+    frame.save(tmp_path / "a.npz")
+    stored = np.load(tmp_path / "a.npz")
+    assert np.array_equal(stored["depth"], frame.depth)
+    with pytest.raises(irt.ArgumentError, match="png or .npz"):
+        frame.save(tmp_path / "a.bmp")
+    with pytest.raises(OSError):
+        frame.save(tmp_path / "missing" / "a.png")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.npz", "a.png"]
+    assert np.asarray(frame).shape == (10, 20, 3)
+    assert frame._repr_png_()[:4] == b"\x89PNG"
+
+
+def test_kernel_source_is_readable_and_minimal() -> None:
+    source = irt.kernel_source("a*x^2 + y", method="ia", outputs=())
+    assert "#pragma OPENCL FP_CONTRACT OFF" in source
+    assert "bounds of a" in source and "ra_mul" not in source and "shade" not in source
+    assert "native_" not in source
