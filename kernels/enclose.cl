@@ -9,7 +9,11 @@ __kernel void enclose_pieces(__global const real* coordinates, const int stride,
   I undefined, rough;
 #if IRT_AFFINE
   const RA x = ra(TERM(0), TERM(1), TERM(2)), y = ra(TERM(3), TERM(4), TERM(5)), z = ra(TERM(6), TERM(7), TERM(8));
+#if FORM_IS_RANGE
+  const IA f = irt_affine(x, y, z PARAMETERS_PASS, &undefined, &rough);
+#else
   const IA f = ra_range(irt_affine(x, y, z PARAMETERS_PASS, &undefined, &rough));
+#endif
 #else
   const IA x = ia(TERM(0), TERM(1)), y = ia(TERM(3), TERM(4)), z = ia(TERM(6), TERM(7));
   const IA f = irt_interval(x, y, z PARAMETERS_PASS, &undefined, &rough);

@@ -1,13 +1,5 @@
 // Enclosures of f over a piece of ray by reduced affine arithmetic: e runs along the piece (S1 section 4.3).
 
-typedef RA FORM;
-
-#if IRT_OUTWARD
-#define CERTAIN(v) ((v) * (R(1.0) - R(3.0) * ULP))  // covers the rounding of |y| + z
-#else
-#define CERTAIN(v) (v)
-#endif
-
 // A coordinate; the rounding of its slope is an error as well.
 static inline RA coordinate(F middle, F slope, F e) {
 #if IRT_OUTWARD
@@ -25,7 +17,3 @@ static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefin
                     coordinate(ALONG(path, z, middle), span * path->uz, path->ez)
                     PARAMETERS_PASS, undefined, rough);
 }
-
-static inline I positive(FORM f) { return GT(CERTAIN(f.x), ra_rad(f)); }
-static inline I negative(FORM f) { return LT(CERTAIN(f.x), -ra_rad(f)); }
-static inline I unbounded(FORM f) { return ~LT(fabs(f.x) + ra_rad(f), INF); }

@@ -1,7 +1,5 @@
 // Enclosures of f over a piece of ray by interval arithmetic: coordinates are intervals.
 
-typedef IA FORM;
-
 static inline IA coordinate(F at_from, F at_to, F e) {
 #if IRT_OUTWARD
   return ia(min(at_from, at_to) - e, max(at_from, at_to) + e);
@@ -18,6 +16,3 @@ static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefin
                       PARAMETERS_PASS, undefined, rough);
 }
 
-static inline I positive(FORM f) { return GT(f.lo, (F)0); }
-static inline I negative(FORM f) { return LT(f.hi, (F)0); }
-static inline I unbounded(FORM f) { return ~(GT(f.lo, -INF) & LT(f.hi, INF)); }

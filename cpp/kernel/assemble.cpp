@@ -87,7 +87,8 @@ std::string assemble(const program::Program& program, const Spec& spec) {
   include("packet.cl");
   for (const char* name : kArithmetic)
     if (f.files.count(name)) include(name);
-  text += "\n// ---- the formula\n" + f.source;
+  const bool range = !spec.affine || f.range_result;
+  text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
   if (spec.normal || spec.rgb) text += "\n" + program::emit_gradient(program, spec.precision).source;
   if (spec.entry == Entry::Enclose) {
     include("enclose.cl");
@@ -97,6 +98,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include("clip.cl");
     include("path.cl");
     include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
+    include("form.cl");
     include("bisection.cl");
     if (spec.rgb) include("shade.cl");
     include("trace.cl");

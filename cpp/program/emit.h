@@ -17,12 +17,14 @@ enum class Precision { Single, Double };
 struct Emitted {
   std::string source;
   std::set<std::string> files;
+  bool range_result = false;  // emit_affine: the result is an interval (IA), not a form
 };
 
 // static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough)
 Emitted emit_interval(const Program& program, Precision precision);
 
-// static inline RA irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough)
+// static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough); FORM is RA, or IA where the result
+// is a range
 Emitted emit_affine(const Program& program, Precision precision);
 
 // static inline F irt_gradient(F x, F y, F z PARAMETERS, F* gx, F* gy, F* gz): the value, and the exact gradient by

@@ -21,12 +21,14 @@ class AffineEmitter {
     out_.files = {"interval.cl", "affine.cl"};
     for (Value v = 0; v < static_cast<Value>(program_.code.size()); ++v)
       if (!program_.is_constant(v) || v == program_.result) emit(v);
-    const std::string result = form(program_.result);
+    const bool ranged = only_range(program_.result);
+    const std::string result = ranged ? range(program_.result) : form(program_.result);
+    out_.range_result = ranged;
     std::string functions;
     for (long n : powers_) functions += power_function(n);
     out_.source = functions +
                   "// Affine enclosure over a piece of ray.\n"
-                  "static inline RA irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough) {\n" +
+                  "static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough) {\n" +
                   text_ + finish_masks(program_) + fmt::format("  return {};\n}}\n", result);
     return std::move(out_);
   }
@@ -59,6 +61,11 @@ class AffineEmitter {
     return name(v, 'q');
   }
 
+  bool only_range(Value v) const {
+    if (v < 0 || program_.is_constant(v)) return true;
+    return has_range_[static_cast<std::size_t>(v)] && !has_form_[static_cast<std::size_t>(v)];
+  }
+
   void define(Value v, const std::string& value) {
     text_ += fmt::format("  const RA {} = {};\n", name(v), value);
     has_form_[static_cast<std::size_t>(v)] = 1;
@@ -74,6 +81,11 @@ class AffineEmitter {
   void emit(Value v) {
     const Instruction& in = program_[v];
     const Operator& op = describe(in.code);
+    // What has forgotten where on the ray it is gains nothing from forms, which cannot hold half-infinite ranges either.
+    if ((op.affine || in.code == Code::Power) && in.a >= 0 && only_range(in.a) && only_range(in.b)) {
+      const std::string a = range(in.a), b = range(in.b);
+      return define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
+    }
     switch (in.code) {
       case Code::Coordinate: return define(v, std::string(1, "xyz"[in.index]));
       case Code::Parameter: return define_range(v, fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1));

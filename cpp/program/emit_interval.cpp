@@ -21,6 +21,43 @@ std::string constant_operand(const Program& program, Value v, Precision precisio
 
 }  // namespace
 
+std::string interval_rule(const Program& program, Value v, const std::string& a, const std::string& b, Precision precision,
+                          std::set<long>& powers) {
+  const Instruction& in = program[v];
+  const Operator& op = describe(in.code);
+  switch (in.code) {
+    case Code::Constant: return constant_operand(program, v, precision);
+    case Code::Coordinate: return std::string(1, "xyz"[in.index]);
+    case Code::Parameter: return fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1);
+    case Code::Add:
+      if (program.is_constant(in.b)) {
+        const auto c = outward(program[in.b].value, precision);
+        return fmt::format("ia_shift({}, {}, {})", a, literal(c.lo), literal(c.hi));
+      } else {
+        return fmt::format("ia_add({}, {})", a, b);
+      }
+    case Code::Mul: {
+      const double c = program.is_constant(in.a) ? nearest(program[in.a].value, precision) : 0;
+      if (plain(c)) {
+        const auto& exact = program[in.a].value;
+        const bool known = exact.lo == c && exact.hi == c;
+        const std::string scaled =
+            fmt::format("ia_scale({}, {}, {})", b, literal(std::fabs(c)), known ? "EXACT_K" : "R(2.5)");
+        return c < 0 ? fmt::format("ia_neg({})", scaled) : scaled;
+      } else {
+        const bool both = program[in.a].nonnegative && program[in.b].nonnegative;
+        return fmt::format("{}({}, {})", both ? "ia_mul_nonnegative" : "ia_mul", a, b);
+      }
+    }
+    case Code::Power: {
+      powers.insert(in.index);
+      const char* rule = in.index % 2 == 0 ? "IA_POWER_EVEN" : "IA_POWER_ODD";
+      return fmt::format("{}({}, power_{}, {})", rule, a, in.index, literal(0.5 * static_cast<double>(in.index) + 1));
+    }
+    default: return fill(std::string(op.interval) + (op.arity == 2 ? "($a, $b)" : "($a)"), a, b, "", name(v));
+  }
+}
+
 Emitted emit_interval(const Program& program, Precision precision) {
   Emitted out;
   std::string text =
@@ -39,41 +76,7 @@ Emitted emit_interval(const Program& program, Precision precision) {
     if (in.code == Code::Constant && v != program.result) continue;  // constants stand where they are used
     out.files.insert(op.interval_file);
     if (emit_masked(program, v, a, b, operand(in.c), precision, 'v', text)) continue;
-    std::string value;
-    switch (in.code) {
-      case Code::Constant: value = constant_operand(program, v, precision); break;
-      case Code::Coordinate: value = std::string(1, "xyz"[in.index]); break;
-      case Code::Parameter: value = fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1); break;
-      case Code::Add:
-        if (program.is_constant(in.b)) {
-          const auto c = outward(program[in.b].value, precision);
-          value = fmt::format("ia_shift({}, {}, {})", a, literal(c.lo), literal(c.hi));
-        } else {
-          value = fmt::format("ia_add({}, {})", a, b);
-        }
-        break;
-      case Code::Mul: {
-        const double c = program.is_constant(in.a) ? nearest(program[in.a].value, precision) : 0;
-        if (plain(c)) {
-          const auto& exact = program[in.a].value;
-          const bool known = exact.lo == c && exact.hi == c;
-          const std::string scaled =
-              fmt::format("ia_scale({}, {}, {})", b, literal(std::fabs(c)), known ? "EXACT_K" : "R(2.5)");
-          value = c < 0 ? fmt::format("ia_neg({})", scaled) : scaled;
-        } else {
-          const bool both = program[in.a].nonnegative && program[in.b].nonnegative;
-          value = fmt::format("{}({}, {})", both ? "ia_mul_nonnegative" : "ia_mul", a, b);
-        }
-        break;
-      }
-      case Code::Power: {
-        powers.insert(in.index);
-        const char* rule = in.index % 2 == 0 ? "IA_POWER_EVEN" : "IA_POWER_ODD";
-        value = fmt::format("{}({}, power_{}, {})", rule, a, in.index, literal(0.5 * static_cast<double>(in.index) + 1));
-        break;
-      }
-      default: value = fill(std::string(op.interval) + (op.arity == 2 ? "($a, $b)" : "($a)"), a, b, "", r);
-    }
+    const std::string value = interval_rule(program, v, a, b, precision, powers);
     text += fmt::format("  const IA {} = {};\n", r, value);
     emit_inherited(program, v, text);
   }

@@ -1,6 +1,7 @@
 // Pieces of text that all emitters share.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -28,5 +29,10 @@ std::string power_function(long n);
 // The name of a value in generated code, "v12"; "q12" is its range where forms and ranges stand side by side.
 std::string name(Value v, char prefix = 'v');
 std::string mask(char kind, Value v);
+
+// The interval of v from those of its operands, for every operator that has no masks and is no condition. Notes the powers
+// whose functions it calls.
+std::string interval_rule(const Program& program, Value v, const std::string& a, const std::string& b, Precision precision,
+                          std::set<long>& powers);
 
 }  // namespace irt::program

@@ -370,12 +370,14 @@ def open_device(choice: str | None = None) -> _core.Device:
         known = _opened_for(wanted)
         if known is not None:
             return known
-        found = devices()
-        matching = [d for d in found if name.lower() in f"{d.name} {d.driver}".lower()]
-        usable = [d for d in matching if d.ok]
-        if not usable:
-            raise DeviceError(_nothing(found, matching, wanted))
-        best = usable[0]
+        best = _first_choice() if not name else None
+        if best is None:
+            found = devices()
+            matching = [d for d in found if name.lower() in f"{d.name} {d.driver}".lower()]
+            usable = [d for d in matching if d.ok]
+            if not usable:
+                raise DeviceError(_nothing(found, matching, wanted))
+            best = usable[0]
         if width is not None and (width not in WIDTHS or width > best.width):
             raise DeviceError(
                 f"{best.driver} cannot run packets of {width}; it can of "
@@ -387,6 +389,12 @@ def open_device(choice: str | None = None) -> _core.Device:
             _opened[key] = _core.load_device(best.path, best.driver, key[1])
         _choices[wanted] = _opened[key]
         return _opened[key]
+
+
+def _first_choice() -> Device | None:
+    """The best device, found without probing drivers that could not be it: pip brings no GPU drivers."""
+    system = sorted((_examine(d) for d in _found() if d.label.endswith("(system)")), key=_preference)
+    return system[0] if system and system[0].ok else None
 
 
 _choices: dict[str, _core.Device] = {}

@@ -82,10 +82,10 @@ def _choose(expr: Expr) -> tuple[str, str]:
             choice += 1
         if node.op == "Pow" and node.args[1].op == "Number":
             p, q = node.args[1].ratio()
-            powers += q == 1 and p % 2 == 0 and p > 12
+            powers += q == 1 and p % 2 == 0 and p > 40
         stack.extend(node.args)
     if powers:
-        return "ia", "it has even powers above 12, whose ranges interval arithmetic keeps tight"
+        return "ia", "it has even powers above 40, whose ranges interval arithmetic keeps tight"
     if choice:
         return "ia", "it has Min, Max, Abs or jumps, at which affine forms fall back to ranges anyway"
     return "raa", "it is smooth, so affine forms keep the dependence along the ray"
