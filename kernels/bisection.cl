@@ -1,7 +1,7 @@
 // Stackless bisection (S1 section 5, algorithm 3): halve what may hold a zero, skip what does not.
 //
 // Deviations from S1: an integer counter of units takes the place of the floating modulus (a skipped piece [p, p + s)
-// leads to p + s and to the longest step that its lowest bit allows). With IRT_OUTWARD a piece that is short enough is a
+// leads to p + s and to the longest step that its lowest bit allows, but at most 2 s: a neighbour seldom allows more). With IRT_OUTWARD a piece that is short enough is a
 // candidate, not a hit. The piece skipped just before it tells the sign at its start; the sign a little behind its end
 // must be proven opposite, and f continuous between. Otherwise halving goes on to the floor of the precision, where the
 // bracket may widen; what is still open is TOUCH, or UNRESOLVED at a pole.
@@ -30,7 +30,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
       const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined, skip = is_above | is_below | undefined;
       const I next = position + step, go = moving & skip;
       const I candidate = ~skip & LE(step, stop);
-      step = SELECT(moving & ~candidate, SELECT(skip, next & -next, step >> 1), step);
+      step = SELECT(moving & ~candidate, SELECT(skip, min(next & -next, step << 1), step >> 1), step);
       position = SELECT(go, next, position);
       above = SELECT(go, is_above, above);
       below = SELECT(go, is_below, below);

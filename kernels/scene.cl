@@ -8,11 +8,10 @@
 #define NEAR_IN q[10]
 #define COLOR(channel) q[11 + (channel)]
 #define BACK_COLOR(channel) q[14 + (channel)]
-#define BACKGROUND(channel) q[17 + (channel)]  // the fourth is its alpha
-#define UNRESOLVED_COLOR(channel) q[21 + (channel)]
-#define LIGHT(axis) q[24 + (axis)]
-#define LIGHT_POWER q[27]
-#define SPHERE(i, k) q[28 + 4 * (i) + (k)]  // centre and radius
+#define UNRESOLVED_COLOR(channel) q[17 + (channel)]
+#define LIGHT(axis) q[20 + (axis)]
+#define LIGHT_POWER q[23]
+#define SPHERE(i, k) q[24 + 4 * (i) + (k)]  // centre and radius
 
 #define MISS ((I)0)
 #define HIT ((I)1)

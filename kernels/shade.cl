@@ -13,8 +13,11 @@ static inline F highlight(F diffuse, F cosine) {
   return SELECT(GT(diffuse, (F)0), g32, (F)0);
 }
 
-// v: unit, towards the eye; n: unit, towards the viewer, or nan, which is lit as if it faced the eye.
-static inline UINT shade(I status, I front, F nx, F ny, F nz, F vx, F vy, F vz, __global const real* q) {
+// background: the pixel of a miss. v: unit, towards the eye; n: unit, towards the viewer, or nan, which is lit as if it faced the eye.
+static inline UINT shade(I status, I front, F nx, F ny, F nz, F vx, F vy, F vz, const uint background,
+                         __global const real* q) {
+  const I hit = EQ(status, HIT) | EQ(status, TOUCH), open = EQ(status, UNRESOLVED);
+  if (!ANY(hit | open)) return (UINT)background;
   const I odd = ~EQ(nx, nx);
   const F x = SELECT(odd, vx, nx), y = SELECT(odd, vy, ny), z = SELECT(odd, vz, nz);
   const F facing = max(fma(x, vx, fma(y, vy, z * vz)), (F)0);
@@ -23,13 +26,12 @@ static inline UINT shade(I status, I front, F nx, F ny, F nz, F vx, F vy, F vz, 
   const F along = fma(x, hx, fma(y, hy, z * hz)) / sqrt(max(fma(hx, hx, fma(hy, hy, hz * hz)), (F)R(1e-12)));
   const F diffuse = R(0.08) + R(0.5) * facing + (F)LIGHT_POWER * R(0.55) * lit;
   const F gloss = R(0.12) * highlight(facing, facing) + (F)LIGHT_POWER * R(0.25) * highlight(lit, max(along, (F)0));
-  const I hit = EQ(status, HIT) | EQ(status, TOUCH), open = EQ(status, UNRESOLVED);
   UINT pixel = (UINT)0;
   for (int k = 0; k < 3; ++k) {
     const F surface = fma(SELECT(front, (F)COLOR(k), (F)BACK_COLOR(k)), diffuse, gloss);
-    const F linear = SELECT(hit, surface, SELECT(open, (F)UNRESOLVED_COLOR(k), (F)BACKGROUND(k)));
+    const F linear = SELECT(open, (F)UNRESOLVED_COLOR(k), surface);
     pixel |= TO_UINT(encode(linear)) << (UINT)(8 * k);
   }
-  const F alpha = SELECT(hit | open, (F)1, (F)BACKGROUND(3));
-  return pixel | (TO_UINT(alpha * R(255.0)) << (UINT)24);
+  const UINT drawn = TO_UINT(SELECT(hit | open, (F)1, (F)0));  // 1 or 0
+  return drawn * (pixel | (UINT)0xff000000u) + ((UINT)1 - drawn) * (UINT)background;
 }

@@ -4,7 +4,7 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
                     __global float* normal, const int plane,
 #endif
 #if IRT_RGB
-                    __global uint* rgba,
+                    __global uint* rgba, const uint background,
 #endif
                     __global real* depth, __global real* uncertainty, __global uchar* status PARAMETERS) {
   const size_t at = get_global_id(1) * pitch + get_global_id(0) * W;
@@ -52,6 +52,6 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
   STORE_FLOAT(nz, normal + 2 * (size_t)plane + at);
 #endif
 #if IRT_RGB
-  STORE_UINT(shade(root.status, front, nx, ny, nz, vx, vy, vz, q), rgba + at);
+  STORE_UINT(shade(root.status, front, nx, ny, nz, vx, vy, vz, background, q), rgba + at);
 #endif
 }

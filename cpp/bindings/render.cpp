@@ -10,7 +10,7 @@
 #include "bindings/bindings.h"
 #include "error.h"
 #include "kernel/assemble.h"
-#include "render/call.h"
+#include "render/launch.h"
 
 namespace py = pybind11;
 
@@ -130,6 +130,8 @@ py::dict answer_dict(const render::Answer& a) {
   d["engine"] = "kernel";
   d["builds"] = a.builds;
   d["escalated"] = a.escalated;
+  d["counts"] = a.counts;
+  d["wide"] = a.wide_hits;
   d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
   d["finished"] = a.outcome == device::Outcome::done;
   return d;
@@ -160,6 +162,7 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   {
     const py::gil_scoped_release release;
     answer = render::render_frame(program, view, bounds, options, *device);
+    render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
   return answer_dict(answer);
@@ -177,6 +180,7 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   {
     const py::gil_scoped_release release;
     answer = render::trace_rays(program, rays, bounds, options, *device);
+    render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
   return answer_dict(answer);

@@ -82,6 +82,8 @@ struct Answer {
   bool wide = false;
   std::optional<Memory> depth, uncertainty, status, normal, rgba;  // normal: three planes of rows * pitch floats
   std::size_t escalated = 0;
+  std::array<std::size_t, 4> counts{};  // by status
+  std::size_t wide_hits = 0;            // HITs wider than eps
   std::uint64_t builds = 0;
   double build_seconds = 0, launch_seconds = 0, kernel_seconds = 0;
   int width = 1;

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <limits>
+#include <mutex>
 #include <new>
 
 #include "error.h"
@@ -19,10 +21,21 @@ namespace {
 constexpr std::size_t kAlignment = 64;
 // Pieces of one ray: hard surfaces need some thousands; beyond this the ray is UNRESOLVED.
 constexpr int kMaxPieces = 1 << 16;
-constexpr std::size_t kSettings = 28;
+constexpr std::size_t kSettings = 24;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// A colour in linear light, and its alpha, as sRGB bytes.
+std::uint32_t pixel_of(const std::array<double, 4>& color) {
+  std::uint32_t pixel = static_cast<std::uint32_t>(std::lround(255 * color[3])) << 24;
+  for (int k = 0; k < 3; ++k) {
+    const double c = std::clamp(color[k], 0.0, 1.0);
+    const double encoded = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+    pixel |= static_cast<std::uint32_t>(std::lround(255 * encoded)) << (8 * k);
+  }
+  return pixel;
 }
 
 // What stands where the time limit stops the frame: nothing is known from the start of the ray on.
@@ -37,19 +50,56 @@ void leave_open(Answer& a, std::size_t n, const Options& options) {
   }
   if (a.normal) std::fill_n(a.normal->as<float>(), 3 * n, kNone);
   if (a.rgba) {
-    std::uint32_t pixel = 0xff000000u;
-    for (int k = 0; k < 3; ++k)
-      pixel |= static_cast<std::uint32_t>(std::lround(255 * std::pow(std::clamp(options.unresolved_color[k], 0.0, 1.0), 1 / 2.2))) << (8 * k);
-    std::fill_n(a.rgba->as<std::uint32_t>(), n, pixel);
+    const auto& c = options.unresolved_color;
+    std::fill_n(a.rgba->as<std::uint32_t>(), n, pixel_of({c[0], c[1], c[2], 1}));
   }
+}
+
+// Blocks of results that were dropped, for the next frame of the same size: fresh pages cost more than shading does.
+class Pool {
+ public:
+  void* take(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    const auto it = std::find_if(blocks_.begin(), blocks_.end(), [&](const auto& b) { return b.second == bytes; });
+    if (it == blocks_.end()) return nullptr;
+    void* p = it->first;
+    held_ -= bytes;
+    blocks_.erase(it);
+    return p;
+  }
+
+  void give(void* block, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (bytes > kLargest) return std::free(block);
+    blocks_.emplace_back(block, bytes);
+    held_ += bytes;
+    while (held_ > kHeld) {
+      std::free(blocks_.front().first);
+      held_ -= blocks_.front().second;
+      blocks_.pop_front();
+    }
+  }
+
+ private:
+  static constexpr std::size_t kHeld = 128u << 20, kLargest = 64u << 20;
+  std::mutex mutex_;
+  std::deque<std::pair<void*, std::size_t>> blocks_;
+  std::size_t held_ = 0;
+};
+
+Pool& pool() {
+  static Pool* p = new Pool;  // arrays may outlive static storage
+  return *p;
 }
 
 }  // namespace
 
-Memory::Memory(std::size_t bytes) : bytes_((bytes + kAlignment - 1) / kAlignment * kAlignment) {
-  void* p = std::aligned_alloc(kAlignment, std::max(bytes_, kAlignment));
+Memory::Memory(std::size_t bytes) : bytes_(std::max(bytes, kAlignment)) {
+  bytes_ = (bytes_ + kAlignment - 1) / kAlignment * kAlignment;
+  void* p = pool().take(bytes_);
+  if (!p) p = std::aligned_alloc(kAlignment, bytes_);
   if (!p) throw LimitError(fmt::format("no memory for {} bytes; ask for a smaller frame or fewer outputs", bytes_));
-  data_ = std::shared_ptr<void>(p, std::free);
+  data_ = std::shared_ptr<void>(p, [size = bytes_](void* block) { pool().give(block, size); });
 }
 
 int packet_width(const device::Device& device, program::Precision precision) {
@@ -89,16 +139,15 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
     q.set(3 + k, bounds.upper[k]);
     q.set(11 + k, options.color[k]);
     q.set(14 + k, options.back_color[k]);
-    q.set(21 + k, options.unresolved_color[k]);
-    q.set(24 + k, options.light[k]);
+    q.set(17 + k, options.unresolved_color[k]);
+    q.set(20 + k, options.light[k]);
   }
-  for (int k = 0; k < 4; ++k) q.set(17 + k, options.background[k]);
   q.set_above(6, reach(bounds));
   q.set_above(7, position_pad);
   q.set(8, options.eps);
   q.set_below(9, near);
   q.set_above(10, near);
-  q.set(27, glm::length(options.light) > 0 ? 1 : 0);
+  q.set(23, glm::length(options.light) > 0 ? 1 : 0);
   for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
     for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
     q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);
@@ -152,7 +201,10 @@ void launch(const program::Program& program, kernel::Spec spec, std::vector<devi
     args.emplace_back(output(*answer.normal));
     args.emplace_back(static_cast<std::int32_t>(answer.pitch * answer.rows));
   }
-  if (options.rgb) args.emplace_back(output(*answer.rgba));
+  if (options.rgb) {
+    args.emplace_back(output(*answer.rgba));
+    args.emplace_back(static_cast<std::int32_t>(pixel_of(options.background)));
+  }
   args.emplace_back(output(*answer.depth));
   args.emplace_back(output(*answer.uncertainty));
   args.emplace_back(output(*answer.status));
@@ -164,6 +216,26 @@ void launch(const program::Program& program, kernel::Spec spec, std::vector<devi
   answer.launch_seconds += timing.launch;
   answer.kernel_seconds += timing.kernel;
   for (std::size_t i = first_output; i < last_output; ++i) buffers[i]->read();
+}
+
+void tally(Answer& answer, const Options& options) {
+  const auto of = [&](auto* uncertainty) {
+    using Real = std::remove_pointer_t<decltype(uncertainty)>;
+    const Real widest = static_cast<Real>(0.5 * options.eps);
+    for (std::size_t row = 0; row < answer.rows; ++row) {
+      const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
+      const Real* half = uncertainty + row * answer.pitch;
+      for (std::size_t i = 0; i < answer.columns; ++i) {
+        ++answer.counts[status[i] & 3];
+        answer.wide_hits += status[i] == 1 && half[i] > widest;
+      }
+    }
+  };
+  if (answer.wide) {
+    of(answer.uncertainty->as<double>());
+  } else {
+    of(answer.uncertainty->as<float>());
+  }
 }
 
 std::vector<std::size_t> undecided(const Answer& answer, const Options& options) {

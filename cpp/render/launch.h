@@ -37,6 +37,9 @@ void launch(const program::Program& program, kernel::Spec spec, std::vector<devi
 // Rows of `answer` that hold `columns` results each.
 Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options);
 
+// Counts the statuses, and the HITs that are wider than eps.
+void tally(Answer& answer, const Options& options);
+
 // Pixels or rays that single precision left open, or whose bracket is wider than eps.
 std::vector<std::size_t> undecided(const Answer& answer, const Options& options);
 

@@ -61,12 +61,6 @@ class Stats:
     escalated: int = 0  # pixels redone in double
 
 
-def count_statuses(status: npt.NDArray[np.uint8]) -> dict[str, int]:
-    """How many pixels have each status, by name."""
-    counts = np.bincount(status.ravel(), minlength=len(Status))
-    return {s.name: int(counts[s]) for s in Status}
-
-
 def _write_atomically(path: Path, data: bytes) -> None:
     """All of the file or nothing: written beside it, then moved over it."""
     handle, temporary = tempfile.mkstemp(dir=path.parent or ".", prefix=f".{path.name}-")

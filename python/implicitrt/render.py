@@ -17,7 +17,7 @@ from implicitrt.camera import Camera
 from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, ExprLike, check_parameter_names, sympify
-from implicitrt.frame import Frame, Hits, Stats, Status, count_statuses
+from implicitrt.frame import Frame, Hits, Stats, Status
 from implicitrt.surfaces import NamedSurface
 
 if TYPE_CHECKING:
@@ -230,10 +230,6 @@ def _stats(request: dict[str, Any], result: dict[str, Any], method: Any, reason:
     device = request["device"]
     depth = result["depth"]
     double = depth.dtype == np.float64
-    wide = 0
-    if proven:
-        width = 2 * result["uncertainty"][result["status"] == Status.HIT]
-        wide = int(np.count_nonzero(width > request["eps"]))
     return Stats(
         method=method if isinstance(method, str) and method != "auto" else request["algebra"],
         reason=reason, guarantee="inclusion", proven=proven, algebra=request["algebra"],
@@ -242,7 +238,7 @@ def _stats(request: dict[str, Any], result: dict[str, Any], method: Any, reason:
                   "single and double" if double else "single",
         width=result["width"], rounding=request["rounding"], builds=int(result["builds"]),
         seconds={"parse": parsed - started, **result["seconds"], "total": time.perf_counter() - started},
-        counts=count_statuses(result["status"]), wide=wide, escalated=int(result["escalated"]),
+        counts={s.name: n for s, n in zip(Status, result["counts"], strict=True)}, wide=int(result["wide"]), escalated=int(result["escalated"]),
     )  # fmt: skip
 
 
