@@ -208,7 +208,7 @@ def _probe_child(path: str, width: int) -> tuple[str, dict[str, object]]:
             "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
         }
         child = subprocess.Popen(
-            [sys.executable, "-m", "implicitrt.devices", path, str(width)],
+            [sys.executable, "-m", "implicitrt._probe", path, str(width)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env, start_new_session=True,
         )  # fmt: skip
         try:
@@ -445,17 +445,3 @@ def describe() -> str:
         lines.append(f"No OpenCL driver was found; {_INSTALL}")
     lines.append(f"Verdicts are remembered in {_memory_file()}")
     return "\n".join(lines)
-
-
-def _probe_here(path: str, width: int) -> None:
-    """The child's part: loads the driver, runs the probe kernel, reports on standard output."""
-    device = _core.load_device(path, "probe", width)
-    wrong = _core.probe_device(device)
-    report = {"name": device.name, "version": device.version, "gpu": device.gpu, "fp64": device.fp64}
-    sys.stdout.write("\n" + json.dumps(report | {"wrong": wrong}) + "\n")
-    sys.stdout.flush()
-    os._exit(0)  # drivers may crash while they are unloaded; the numbers are in
-
-
-if __name__ == "__main__":
-    _probe_here(sys.argv[1], int(sys.argv[2]))

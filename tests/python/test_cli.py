@@ -1,0 +1,69 @@
+"""The command line, in its own process where that matters."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from implicitrt.cli import main
+
+
+def test_render_a_name_and_a_formula(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["render", "sphere", "-o", str(tmp_path / "a.png"), "--size", "32x24"]) == 0
+    out = capsys.readouterr().out
+    assert "32 x 24" in out and "milliseconds" in out and "HIT" in out
+    arguments = ["render", "x^2 + y^2 + z^2 = a", "-o", str(tmp_path / "b.npz"), "--size", "16", "--param", "a=0.5"]
+    assert main([*arguments, "--bounds", "1", "--camera", "0,0,4", "--eps", "1e-4", "--method", "raa"]) == 0
+    assert np.load(tmp_path / "b.npz")["depth"].shape == (16, 16)
+
+
+def test_list_and_info(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    assert "barth_sextic" in capsys.readouterr().out
+    assert main(["info"]) == 0
+    assert "works" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["render", "sen(x)", "-o", "a.png"], "did you mean 'sin'"),
+        (["render", "x + a", "-o", "a.png"], "'a' has no value"),
+        (["render", "x", "-o", "a.gif"], ".png or .npz"),
+        (["render", "x", "-o", "nowhere/a.png"], "cannot write"),
+        (["render", "x", "-o", "a.png", "--device", "none such"], "none such"),
+    ],
+)
+def test_errors_are_one_line_and_leave_nothing(
+    arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 1
+    assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_bad_options_exit_with_2(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["render", "x", "-o", "a.png", "--size", "big"])
+    assert stop.value.code == 2
+
+
+def test_ctrl_c_returns_soon_and_leaves_nothing(tmp_path: Path) -> None:
+    output = tmp_path / "long.png"
+    command = [sys.executable, "-m", "implicitrt", "render", "sin(30*x)*sin(30*y)*sin(30*z) + 0.9999", "-o", str(output)]
+    child = subprocess.Popen([*command, "--size", "4000x4000", "--method", "ia"], stderr=subprocess.PIPE)
+    time.sleep(6)
+    assert child.poll() is None, "it ended before it could be interrupted"
+    child.send_signal(signal.SIGINT)
+    started = time.monotonic()
+    _, error = child.communicate(timeout=30)
+    assert time.monotonic() - started < 10
+    assert child.returncode == 130 and b"interrupted" in error
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,192 @@
+"""Expressions: operators, exchange with SymPy and NumPy, round trips, evaluation."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import implicitrt as irt
+from implicitrt import E, pi, x, y, z
+
+LEAVES = (
+    st.sampled_from([x, y, z, irt.symbols("a"), pi])
+    | st.integers(-5, 5).map(irt.sympify)
+    | st.fractions(-3, 3, max_denominator=7).map(irt.sympify)
+    | st.floats(-4, 4).map(irt.sympify)
+)
+UNARY = [irt.sin, irt.cos, irt.exp, irt.tanh, irt.atan, irt.Abs, irt.sqrt, irt.cbrt, irt.log, irt.floor, lambda e: e**2, lambda e: e**-3, lambda e: -e]
+BINARY = [lambda a, b: a + b, lambda a, b: a - b, lambda a, b: a * b, irt.Min, irt.Max, irt.atan2]
+
+
+def _grow(children):
+    return (
+        st.builds(lambda f, a: f(a), st.sampled_from(UNARY), children)
+        | st.builds(lambda f, a, b: f(a, b), st.sampled_from(BINARY), children, children)
+        | st.builds(lambda a, b, c: irt.Piecewise((a, b < c), (b, True)), children, children, children)
+    )
+
+
+TREES = st.recursive(LEAVES, _grow, max_leaves=12)
+
+
+def values(f: irt.Expr, seed: int = 0) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    p = rng.uniform(-3, 3, (3, 50))
+    params = {s.name: 0.7 for s in f.free_symbols if s.name == "a"}
+    with np.errstate(all="ignore"):
+        return f.evaluate(*p, **params)
+
+
+def _draw(data) -> irt.Expr:
+    """A random tree; some have no value (1/0, log of -1), which is an error by design."""
+    try:
+        return data.draw(TREES)
+    except irt.Error:
+        return x
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data())
+def test_str_and_repr_parse_back(data) -> None:
+    f = _draw(data)
+    assert irt.parse(str(f)) == f
+    assert irt.parse(repr(f)) == f
+    assert pickle.loads(pickle.dumps(f)) == f
+    assert copy.deepcopy(f) is f
+    assert f._repr_latex_().startswith("$")
+    assert f.func(*f.args) == f
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.data())
+def test_simplify_and_expand_keep_the_function(data) -> None:
+    f = _draw(data)
+    before = values(f)
+    for g in (f.simplify(), f.expand()):
+        after = values(g)
+        assert (np.isnan(before) == np.isnan(after)).all(), (str(f), str(g))
+        known = np.isfinite(before) & np.isfinite(after)
+        assert np.allclose(before[known], after[known], rtol=1e-6, atol=1e-6 * (1 + np.abs(before[known]).max(initial=0))), (str(f), str(g))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["x^3*y - z", "sin(x*y)", "exp(-x^2)", "sqrt(x^2 + 1)", "x/(y^2 + 1)", "atan2(y, x^2 + 1)", "log(x^2 + 2)", "cbrt(x^2 + 1)", "tanh(x)*cosh(y)",
+     "Max(x, y)", "Abs(x)^3", "asin(x/4)", "x^(3/2 + 1/2)", "(x^2 + 1)^y", "tan(x/3)", "Piecewise((x^2, x < y), (sin(x), True))"],
+)  # fmt: skip
+def test_derivatives_agree_with_differences(text: str) -> None:
+    f, h = irt.parse(text), 1e-6
+    rng = np.random.default_rng(1)
+    X, Y, Z = rng.uniform(0.2, 1.5, (3, 40))
+    slope = (f.evaluate(X + h, Y, Z) - f.evaluate(X - h, Y, Z)) / (2 * h)
+    assert np.allclose(f.diff(x).evaluate(X, Y, Z), slope, atol=1e-4)
+
+
+def test_operators_with_numpy_scalars_and_python_numbers() -> None:
+    assert np.float64(0.5) * x == x * 0.5 == x / 2
+    assert np.int32(2) + x == x + 2
+    assert x - np.float32(1) == x - 1
+    assert 2**x == irt.parse("2^x")
+    assert x % 2 == irt.Mod(x, 2) and abs(x) == irt.Abs(x)
+    assert +x == x and x * 0 == 0
+    with pytest.raises(TypeError):
+        _ = x + "1"  # type: ignore[operator]
+    assert 0.1 * x != irt.parse("0.1*x")  # a float is a dyadic number, a decimal in text is not
+
+
+def test_canonical_forms() -> None:
+    assert x + x == 2 * x and x * x == x**2 and y + x == x + y
+    assert str(x / x) == "x/x" and str(irt.sqrt(x) ** 2) == "sqrt(x)**2"
+    assert x**0 == 1
+    assert irt.Rational(1, 3) + irt.Rational("0.5") == irt.parse("5/6")
+    assert hash(x + y) == hash(y + x)
+    assert {x, y, x} == {x, y}
+
+
+def test_hash_is_the_same_in_every_process() -> None:
+    code = "import implicitrt as irt; print(hash(irt.parse('x^2 + sin(y)/3')))"
+    out = {subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in range(2)}
+    assert out == {f"{hash(irt.parse('x^2 + sin(y)/3'))}\n"}
+
+
+def test_conditions_have_no_truth() -> None:
+    with pytest.raises(TypeError, match="And"):
+        bool(x < y)
+    with pytest.raises(TypeError, match="And"):
+        _ = 0 < x < 1
+    assert str((x < y) & (y < z)) == "And(x < y, y < z)"
+    with pytest.raises(TypeError):
+        _ = (x < y) + 1  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("value", [True, None, object(), [1], float("nan"), float("inf"), b"x"])
+def test_what_is_no_formula_is_refused(value: object) -> None:
+    with pytest.raises(irt.ExpressionError):
+        irt.sympify(value)
+
+
+SYMPY = [
+    "x**2 + y/3 - 1", "sin(x)*exp(y)", "sqrt(x)", "Max(x, y, 2)", "Abs(x - y)", "Piecewise((x, x < y), (y**2, True))", "atan2(y, x)", "x**Rational(3, 2)",
+    "floor(x) + ceiling(y)", "Mod(x, 2)", "log(x) + pi - E", "sign(x)", "(x + y)**3", "tanh(x)/cosh(y)",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", SYMPY)
+def test_sympy_there_and_back(text: str) -> None:
+    theirs = sympy.sympify(text)
+    ours = irt.sympify(theirs)
+    X, Y = 0.7, 1.9
+    expected = float(theirs.subs({"x": X, "y": Y}))
+    assert float(ours.evaluate(X, Y)) == pytest.approx(expected)
+    back = sympy.sympify(ours)
+    assert float(back.subs({"x": X, "y": Y})) == pytest.approx(expected)
+    assert irt.sympify(back).evaluate(X, Y) == pytest.approx(expected)
+
+
+def test_sympy_equations_and_what_it_lacks() -> None:
+    sx, sy = sympy.symbols("x y")
+    assert irt.sympify(sympy.Eq(sx, sy)) == x - y
+    assert sx + x == 2 * x or sx + x == 2 * sx
+    assert irt.sympify(sympy.Float(0.1)).evaluate() == pytest.approx(0.1)
+    assert sympy.sympify(irt.cbrt(x)).subs("x", -8) == -2
+    with pytest.raises(irt.ExpressionError, match="gamma"):
+        irt.sympify(sympy.gamma(sx))
+
+
+def test_evaluate() -> None:
+    f = irt.parse("a*x + y^2")
+    assert f.evaluate(1, [1, 2], a=3).tolist() == [4, 7]
+    assert f.evaluate(np.ones((2, 1)), np.zeros(3), a=1).shape == (2, 3)
+    with pytest.raises(irt.ArgumentError, match="'a' has no value"):
+        f.evaluate(1, 2)
+    with pytest.raises(irt.ArgumentError, match="did you mean 'a'|unknown"):
+        f.evaluate(1, 2, a=1, aa=2)
+    with pytest.raises(irt.ArgumentError, match="broadcast"):
+        f.evaluate([1, 2], [1, 2, 3], a=1)
+    assert np.isnan(irt.parse("sqrt(x)").evaluate(-1)) and np.isnan(irt.parse("log(x)").evaluate(0))
+    assert irt.Mod(x, y).evaluate(-1, 3) == 2 and irt.Mod(x, y).evaluate(1, -3) == -2
+
+
+def test_named_surfaces_have_the_degrees_of_the_literature() -> None:
+    assert len(irt.surfaces) == 64
+    for name, surface in irt.surfaces.items():
+        assert surface.expr.degree() == surface.degree, name
+        assert {s.name for s in surface.expr.free_symbols} - {"x", "y", "z"} == set(surface.params), name
+    with pytest.raises(KeyError, match="barth_sextic"):
+        irt.surfaces["barth_sextik"]
+
+
+def test_subs() -> None:
+    assert (x + y).subs({x: y, y: x}) == x + y
+    assert (x**2).subs(x, 3) == 9
+    assert irt.parse("a*x").subs({"a": 2}) == 2 * x
+    assert float(irt.parse("sqrt(2)*E").evaluate()) == pytest.approx(2**0.5 * np.e)
+    assert float(E) == pytest.approx(np.e)
