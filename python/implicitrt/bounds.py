@@ -60,7 +60,7 @@ class Bounds:
     @property
     def default_eps(self) -> float:
         """A thousandth of half the largest side."""
-        return 1e-3 * 0.5 * max(h - l for l, h in zip(self.lower, self.upper, strict=True))
+        return 1e-3 * 0.5 * max(b - a for a, b in zip(self.lower, self.upper, strict=True))
 
     @staticmethod
     def of(value: Any) -> Bounds:
@@ -78,9 +78,7 @@ class Bounds:
             # A little larger than the ball, so that the ball alone decides.
             r = value.radius * (1 + 1e-9)
             center = value.center
-            return _checked(
-                [c - r for c in center], [c + r for c in center], (value,)
-            )
+            return _checked([c - r for c in center], [c + r for c in center], (value,))
         try:
             array = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError):

@@ -76,9 +76,7 @@ class Camera:
         put(self, "target", point(target, "the camera's target"))
         put(self, "up", point(up, "the camera's up"))
         if projection not in ("perspective", "orthographic"):
-            raise ArgumentError(
-                f'projection must be "perspective" or "orthographic", not {projection!r}'
-            )
+            raise ArgumentError(f'projection must be "perspective" or "orthographic", not {projection!r}')
         put(self, "projection", projection)
         put(self, "fov", _number(fov, "fov"))
         if not 0 < self.fov < 180:
@@ -102,9 +100,7 @@ class Camera:
         right = np.cross(forward, up / length)
         across = float(np.linalg.norm(right))
         if across < 1e-9:
-            raise ArgumentError(
-                f"the camera's up {self.up} is parallel to its view; choose another, such as (0, 0, 1)"
-            )
+            raise ArgumentError(f"the camera's up {self.up} is parallel to its view; choose another, such as (0, 0, 1)")
         right = right / across
         return right, np.cross(right, forward), forward
 
@@ -112,9 +108,7 @@ class Camera:
         """The camera with a height that frames the bounds, where it is orthographic without one."""
         if self.projection == "perspective" or self.height is not None:
             return self
-        return Camera(
-            self.origin, self.target, self.up, self.fov, self.projection, 2 * bounds.radius
-        )
+        return Camera(self.origin, self.target, self.up, self.fov, self.projection, 2 * bounds.radius)
 
     @staticmethod
     def default(bounds: Bounds) -> Camera:

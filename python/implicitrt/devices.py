@@ -33,8 +33,7 @@ WIDTHS = (1, 4, 8, 16)
 PROBE_SECONDS = 20.0
 _MEMORY_VERSION = 3
 _INSTALL = (
-    "install one: `apt-get install pocl-opencl-icd gcc binutils` (Debian, Ubuntu), or "
-    "`pip install implicitrt[intel]`"
+    "install one: `apt-get install pocl-opencl-icd gcc binutils` (Debian, Ubuntu), or `pip install implicitrt[intel]`"
 )
 
 

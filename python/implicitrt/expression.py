@@ -97,11 +97,7 @@ class _Tree:
             pairs = [(old, new) for old, new in replacements[0]]
         else:
             raise TypeError("subs takes a mapping, or the old and the new expression")
-        return _wrap(
-            _core.substitute(
-                self._node, [(sympify(old)._node, sympify(new)._node) for old, new in pairs]
-            )
-        )
+        return _wrap(_core.substitute(self._node, [(sympify(old)._node, sympify(new)._node) for old, new in pairs]))
 
 
 class _Constructor:
@@ -561,9 +557,7 @@ def _condition(value: Any) -> Condition:
         from implicitrt.sympy_exchange import condition_from_sympy
 
         return condition_from_sympy(value)
-    raise ExpressionError(
-        f"{value!r} is not a condition; use <, <=, >, >=, Eq, Ne, And, Or, Not or True"
-    )
+    raise ExpressionError(f"{value!r} is not a condition; use <, <=, >, >=, Eq, Ne, And, Or, Not or True")
 
 
 def Eq(a: Any, b: Any) -> Condition:

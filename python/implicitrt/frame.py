@@ -216,7 +216,11 @@ class Hits:
     """
 
     def __init__(
-        self, result: Mapping[str, Any], origins: npt.NDArray[np.float64], directions: npt.NDArray[np.float64], stats: Stats
+        self,
+        result: Mapping[str, Any],
+        origins: npt.NDArray[np.float64],
+        directions: npt.NDArray[np.float64],
+        stats: Stats,
     ) -> None:
         self.t: npt.NDArray[Any] = result["depth"][0]
         self.uncertainty: npt.NDArray[Any] = result["uncertainty"][0]

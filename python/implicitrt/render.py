@@ -167,9 +167,7 @@ def _color(value: Any, what: str) -> tuple[float, float, float]:
         except (TypeError, ValueError):
             rgb = []
         if len(rgb) != 3 or not all(0 <= c <= 1 for c in rgb):
-            raise ArgumentError(
-                f"{what} must be a CSS name, '#rrggbb' or three numbers from 0 to 1, not {value!r}"
-            )
+            raise ArgumentError(f"{what} must be a CSS name, '#rrggbb' or three numbers from 0 to 1, not {value!r}")
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in rgb]
     return (linear[0], linear[1], linear[2])
 
@@ -225,7 +223,9 @@ def _common(
     return request, reason
 
 
-def _stats(request: dict[str, Any], result: dict[str, Any], method: Any, reason: str, started: float, parsed: float) -> Stats:
+def _stats(
+    request: dict[str, Any], result: dict[str, Any], method: Any, reason: str, started: float, parsed: float
+) -> Stats:
     proven = request["rounding"] == "outward"
     device = request["device"]
     depth = result["depth"]
@@ -422,9 +422,7 @@ def trace(
     origin_array = _vectors(origins, "origins")
     if not np.isfinite(origin_array).all():
         raise ArgumentError("origins must be finite")
-    o, d, near, far = _broadcast(
-        origin_array, _directions(directions), _scalars(tmin, "tmin"), _scalars(tmax, "tmax")
-    )
+    o, d, near, far = _broadcast(origin_array, _directions(directions), _scalars(tmin, "tmin"), _scalars(tmax, "tmax"))
     if bounds is None and not isinstance(f, NamedSurface):
         region = _enclosing(o, d, near, far)
     else:
@@ -492,7 +490,13 @@ def _affine(low: npt.NDArray[np.float64], high: npt.NDArray[np.float64], precisi
 
 
 def _enclose_request(
-    f: Any, expr: Expr, algebra: str, params: Mapping[str, float] | None, precision: str, rounding: str, device: str | None
+    f: Any,
+    expr: Expr,
+    algebra: str,
+    params: Mapping[str, float] | None,
+    precision: str,
+    rounding: str,
+    device: str | None,
 ) -> dict[str, Any]:
     return {
         "algebra": _one_of(algebra, "algebra", ("ia", "raa")),
@@ -540,7 +544,9 @@ def enclose(
     if np.isnan(low).any() or np.isnan(high).any():
         raise ArgumentError("corners must not be nan")
     if (low > high).any():
-        raise ArgumentError(f"lower must not be above upper; it is in box {int(np.flatnonzero((low > high).any(axis=1))[0])}")
+        raise ArgumentError(
+            f"lower must not be above upper; it is in box {int(np.flatnonzero((low > high).any(axis=1))[0])}"
+        )
     request = _enclose_request(f, expr, algebra, params, precision, rounding, device)
     low, high = _below(low, precision), _above(high, precision)
     if algebra == "raa":
@@ -612,9 +618,7 @@ def kernel_source(
     region = _bounds(f, bounds)
     names = {s.name for s in expr.free_symbols} - {"x", "y", "z"}
     values = {n: 1.0 for n in names} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
-    request, _ = _common(
-        f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None
-    )
+    request, _ = _common(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None)
     black = (0.0, 0.0, 0.0)
     request |= {
         "want": set(outputs), "color": black, "back_color": black, "unresolved_color": black,

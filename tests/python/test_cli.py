@@ -41,7 +41,11 @@ def test_list_and_info(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_errors_are_one_line_and_leave_nothing(
-    arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(arguments) == 1
@@ -57,7 +61,15 @@ def test_bad_options_exit_with_2(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_ctrl_c_returns_soon_and_leaves_nothing(tmp_path: Path) -> None:
     output = tmp_path / "long.png"
-    command = [sys.executable, "-m", "implicitrt", "render", "sin(30*x)*sin(30*y)*sin(30*z) + 0.9999", "-o", str(output)]
+    command = [
+        sys.executable,
+        "-m",
+        "implicitrt",
+        "render",
+        "sin(30*x)*sin(30*y)*sin(30*z) + 0.9999",
+        "-o",
+        str(output),
+    ]
     child = subprocess.Popen([*command, "--size", "4000x4000", "--method", "ia"], stderr=subprocess.PIPE)
     time.sleep(6)
     assert child.poll() is None, "it ended before it could be interrupted"

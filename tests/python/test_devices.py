@@ -127,8 +127,8 @@ def test_verdicts_are_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 @pytest.mark.parametrize(
     ("body", "verdict"),
     [
-        ('__attribute__((constructor)) static void f(void) { __builtin_trap(); }', "died"),
-        ('#include <unistd.h>\n__attribute__((constructor)) static void f(void) { for (;;) sleep(1); }', "hung"),
+        ("__attribute__((constructor)) static void f(void) { __builtin_trap(); }", "died"),
+        ("#include <unistd.h>\n__attribute__((constructor)) static void f(void) { for (;;) sleep(1); }", "hung"),
         ("int nothing;", "died"),
     ],
 )

@@ -92,13 +92,30 @@ def test_bad_boxes_are_refused(call) -> None:
         call()
 
 
-LEAVES = st.sampled_from([irt.x, irt.y, irt.z]) | st.integers(-3, 3).map(irt.sympify) | st.floats(-2, 2).map(irt.sympify)
+LEAVES = (
+    st.sampled_from([irt.x, irt.y, irt.z]) | st.integers(-3, 3).map(irt.sympify) | st.floats(-2, 2).map(irt.sympify)
+)
 
 
 def _grow(children):
-    unary = [irt.sin, irt.cos, irt.exp, irt.Abs, irt.atan, irt.tanh, irt.floor, irt.sqrt, irt.cbrt, lambda e: e**2, lambda e: e**3, lambda e: -e]
+    unary = [
+        irt.sin,
+        irt.cos,
+        irt.exp,
+        irt.Abs,
+        irt.atan,
+        irt.tanh,
+        irt.floor,
+        irt.sqrt,
+        irt.cbrt,
+        lambda e: e**2,
+        lambda e: e**3,
+        lambda e: -e,
+    ]
     pair = [lambda a, b: a + b, lambda a, b: a - b, lambda a, b: a * b, irt.Min, irt.Max]
-    return st.builds(lambda f, a: f(a), st.sampled_from(unary), children) | st.builds(lambda f, a, b: f(a, b), st.sampled_from(pair), children, children)
+    return st.builds(lambda f, a: f(a), st.sampled_from(unary), children) | st.builds(
+        lambda f, a, b: f(a, b), st.sampled_from(pair), children, children
+    )
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)

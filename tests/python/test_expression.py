@@ -22,7 +22,21 @@ LEAVES = (
     | st.fractions(-3, 3, max_denominator=7).map(irt.sympify)
     | st.floats(-4, 4).map(irt.sympify)
 )
-UNARY = [irt.sin, irt.cos, irt.exp, irt.tanh, irt.atan, irt.Abs, irt.sqrt, irt.cbrt, irt.log, irt.floor, lambda e: e**2, lambda e: e**-3, lambda e: -e]
+UNARY = [
+    irt.sin,
+    irt.cos,
+    irt.exp,
+    irt.tanh,
+    irt.atan,
+    irt.Abs,
+    irt.sqrt,
+    irt.cbrt,
+    irt.log,
+    irt.floor,
+    lambda e: e**2,
+    lambda e: e**-3,
+    lambda e: -e,
+]
 BINARY = [lambda a, b: a + b, lambda a, b: a - b, lambda a, b: a * b, irt.Min, irt.Max, irt.atan2]
 
 
@@ -74,7 +88,9 @@ def test_simplify_and_expand_keep_the_function(data) -> None:
         after = values(g)
         assert (np.isnan(before) == np.isnan(after)).all(), (str(f), str(g))
         known = np.isfinite(before) & np.isfinite(after)
-        assert np.allclose(before[known], after[known], rtol=1e-6, atol=1e-6 * (1 + np.abs(before[known]).max(initial=0))), (str(f), str(g))
+        assert np.allclose(
+            before[known], after[known], rtol=1e-6, atol=1e-6 * (1 + np.abs(before[known]).max(initial=0))
+        ), (str(f), str(g))
 
 
 @pytest.mark.parametrize(
@@ -113,7 +129,10 @@ def test_canonical_forms() -> None:
 
 def test_hash_is_the_same_in_every_process() -> None:
     code = "import implicitrt as irt; print(hash(irt.parse('x^2 + sin(y)/3')))"
-    out = {subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in range(2)}
+    out = {
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    }
     assert out == {f"{hash(irt.parse('x^2 + sin(y)/3'))}\n"}
 
 

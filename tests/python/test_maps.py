@@ -34,9 +34,7 @@ def _silhouette(misses: np.ndarray) -> np.ndarray:
 def test_depth_map(name: str, method: str, data: Path) -> None:
     reference = np.load(data / "reference_depth_32.npz")[name]
     precision = "double" if name in DOUBLE else "single"
-    frame = irt.render(
-        irt.surfaces[name], size=(32, 32), eps=EPS, method=method, precision=precision, outputs=()
-    )
+    frame = irt.render(irt.surfaces[name], size=(32, 32), eps=EPS, method=method, precision=precision, outputs=())
     misses = np.isinf(reference)
     with np.errstate(invalid="ignore"):
         error = np.abs(frame.depth - reference)
@@ -62,9 +60,7 @@ def test_depth_map(name: str, method: str, data: Path) -> None:
 @pytest.mark.parametrize("name", list(irt.surfaces))
 def test_probes(name: str, data: Path) -> None:
     probes = json.loads((data / "probes.json").read_text())[name]
-    hits = irt.trace(
-        irt.surfaces[name], [p["origin"] for p in probes], [p["direction"] for p in probes], eps=EPS
-    )
+    hits = irt.trace(irt.surfaces[name], [p["origin"] for p in probes], [p["direction"] for p in probes], eps=EPS)
     for i, probe in enumerate(probes):
         if probe["kind"] == "miss":
             assert hits.status[i] == Status.MISS, f"ray {i}: {hits.status[i]}"

@@ -85,7 +85,12 @@ def test_bounds_clip() -> None:
     ball = irt.render("z", bounds=irt.Sphere((0, 0, 0), 1), camera=irt.Camera((0, 0, 5)), size=(64, 64))
     radius = np.linalg.norm(ball.points[ball.hit], axis=1)
     assert radius.max() <= 1 + 1e-3
-    both = irt.render("z", bounds=[((-0.5, 2), (-2, 2), (-2, 2)), irt.Sphere((0, 0, 0), 1)], camera=irt.Camera((0, 0, 5)), size=(64, 64))
+    both = irt.render(
+        "z",
+        bounds=[((-0.5, 2), (-2, 2), (-2, 2)), irt.Sphere((0, 0, 0), 1)],
+        camera=irt.Camera((0, 0, 5)),
+        size=(64, 64),
+    )
     assert both.points[both.hit][:, 0].min() >= -0.5 - 1e-3
     assert both.hit.sum() < ball.hit.sum()
 
@@ -164,7 +169,10 @@ def test_errors_say_what_to_do(call, error, words) -> None:
 def test_threads_render_the_same() -> None:
     alone = irt.render("barth_sextic" and irt.surfaces["barth_sextic"], size=(96, 96))
     frames: list[irt.Frame] = []
-    threads = [threading.Thread(target=lambda: frames.append(irt.render(irt.surfaces["barth_sextic"], size=(96, 96)))) for _ in range(4)]
+    threads = [
+        threading.Thread(target=lambda: frames.append(irt.render(irt.surfaces["barth_sextic"], size=(96, 96))))
+        for _ in range(4)
+    ]
     for t in threads:
         t.start()
     for t in threads:
@@ -194,5 +202,7 @@ def test_save(tmp_path: Path) -> None:
 def test_kernel_source_is_readable_and_minimal() -> None:
     source = irt.kernel_source("a*x^2 + y", method="ia", outputs=())
     assert "#pragma OPENCL FP_CONTRACT OFF" in source
-    assert "bounds of a" in source and "ra_mul" not in source and "irt_gradient(F" not in source and "encode" not in source
+    assert (
+        "bounds of a" in source and "ra_mul" not in source and "irt_gradient(F" not in source and "encode" not in source
+    )
     assert "native_" not in source
