@@ -1,96 +1,86 @@
 // Stackless bisection (S1 section 5, algorithm 3): halve what may hold a zero, skip what does not.
 //
 // Deviations from S1: an integer counter of units takes the place of the floating modulus (a skipped piece [p, p + s)
-// leads to p + s and to the longest step that its lowest bit allows, but at most 2 s: a neighbour seldom allows more). With IRT_OUTWARD a piece that is short enough is a
-// candidate, not a hit. The piece skipped just before it tells the sign at its start; the sign a little behind its end
-// must be proven opposite, and f continuous between. Otherwise halving goes on to the floor of the precision, where the
-// bracket may widen; what is still open is TOUCH, or UNRESOLVED at a pole.
+// leads to p + s and to the longest step that its lowest bit allows, but at most 2 s: a neighbour seldom allows more).
+// With IRT_OUTWARD a piece that is short enough is a candidate, not a hit. The piece skipped just before it tells the sign at
+// its start; the sign a little behind its end must be proven opposite, and f continuous between. Otherwise halving goes on to
+// the floor of the precision, where the bracket may widen; what is still open is TOUCH, or UNRESOLVED at a pole.
+//
+// f is evaluated at one place only, for lanes that march and lanes that prove alike: no lane waits for another, and the
+// driver compiles f once.
 #define MARGIN R(0.25)  // of a piece, beyond its end
 #define WIDENINGS 12    // each twofold
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
-  I status = MISS;
-  F found_lo = (F)0, found_hi = (F)0;
-  I active = LE(range->out0, range->out1);
-  I position = NONE, step = PATH_END, pieces = NONE, undefined, rough;
-  I above = NONE, below = NONE;  // the sign of f at `position`, where it is known
   // The longest step whose piece, with its margin, is no wider than eps.
   const F wanted = (F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP);
 #if IRT_OUTWARD
   I stop = TO_I(POWER_OF_TWO_BELOW(clamp(wanted / (R(1.0) + MARGIN), (F)1, TO_F(PATH_END))));
 #else
-  const I stop = TO_I(POWER_OF_TWO_BELOW(clamp(wanted, (F)1, TO_F(PATH_END))));
+  I stop = TO_I(POWER_OF_TWO_BELOW(clamp(wanted, (F)1, TO_F(PATH_END))));
+#endif
+  I active = LE(range->out0, range->out1), status = MISS;
+  F found_lo = (F)0, found_hi = (F)0;
+  // Every lane begins by proving a sign where the path begins, with a step of nothing.
+  I position = NONE, step = NONE, pieces = NONE, tries = NONE;
+  I proving = ALL, above = NONE, below = NONE;  // the sign of f at `position`, where it is known
+  F margin = max(path.in0, (F)0);
+#if IRT_OUTWARD
+  I wild = NONE;  // the enclosure of the candidate is infinite
+#endif
+#if IRT_PARTIAL
+  I checking = NONE;  // the signs are proven, continuity is not yet
 #endif
   while (ANY(active)) {
-    I moving = active;
-    while (ANY(moving)) {
-      const F from = TO_F(position);
-      const FORM f = enclose(&path, from, from + TO_F(step) PARAMETERS_PASS, &undefined, &rough);
-      const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined, skip = is_above | is_below | undefined;
-      const I next = position + step, go = moving & skip;
-      const I candidate = ~skip & LE(step, stop);
-      step = SELECT(moving & ~candidate, SELECT(skip, min(next & -next, step << 1), step >> 1), step);
-      position = SELECT(go, next, position);
-      above = SELECT(go, is_above, above);
-      below = SELECT(go, is_below, below);
-      pieces -= moving;
-      const I ended = moving & GE(position, PATH_END);
-      const I exhausted = moving & ~ended & GE(pieces, (I)max_pieces);
-      status = SELECT(exhausted, UNRESOLVED, status);
-      found_lo = SELECT(exhausted, TO_F(position), found_lo);
-      found_hi = SELECT(exhausted, TO_F(position + step), found_hi);
-      active &= ~(ended | exhausted);
-      moving &= ~(ended | exhausted | candidate);
-    }
-    if (!ANY(active)) break;
-    const F from = TO_F(position), end = from + TO_F(step);
-    I none;
-    // Nothing was skipped before the first piece.
-    const I first = active & EQ(position, NONE);
-    if (ANY(first)) {
-      const F inside = clamp(path.in0, (F)0, end);
-      const FORM f = enclose(&path, inside, inside PARAMETERS_PASS, &undefined, &none);
-      above = SELECT(first, positive(f) & ~undefined, above);
-      below = SELECT(first, negative(f) & ~undefined, below);
-    }
-#if IRT_OUTWARD
-    F margin = MARGIN * (end - from);
-    I open = active;
-    const I floor_reached = LE(step, (I)1);
-    for (int k = 0; k <= WIDENINGS && ANY(open); ++k) {
-      const F hi = min(end + margin, path.in1);
-      const FORM f = enclose(&path, hi, hi PARAMETERS_PASS, &undefined, &none);
-      I proven = open & ((above & negative(f)) | (below & positive(f))) & ~undefined & GT(hi, from);
+    const F from = TO_F(position), end = from + TO_F(step), behind = min(end + margin, path.in1);
 #if IRT_PARTIAL
-      I discontinuous;
-      enclose(&path, from, hi PARAMETERS_PASS, &none, &discontinuous);
-      proven &= ~discontinuous;
-#endif
-      status = SELECT(proven, HIT, status);
-      found_lo = SELECT(proven, from, found_lo);
-      found_hi = SELECT(proven, hi, found_hi);
-      active &= ~proven;
-      open &= ~proven & floor_reached;
-      margin += margin;
-    }
-    const I last = active & floor_reached;
-    if (ANY(last)) {
-      const FORM f = enclose(&path, from, end PARAMETERS_PASS, &undefined, &rough);
-      status = SELECT(last, SELECT(unbounded(f), UNRESOLVED, TOUCH), status);
-      found_lo = SELECT(last, from, found_lo);
-      found_hi = SELECT(last, end, found_hi);
-      active &= ~last;
-    }
-    stop = max(stop >> 4, (I)1);
+    const F a = SELECT(proving & ~checking, behind, from);
 #else
-    const FORM f = enclose(&path, end, end PARAMETERS_PASS, &undefined, &none);
-    const I opposite = (above & negative(f)) | (below & positive(f));
-    status = SELECT(active, SELECT(opposite, HIT, TOUCH), status);
-    found_lo = SELECT(active, from, found_lo);
-    found_hi = SELECT(active, end, found_hi);
-    active = NONE;
+    const F a = SELECT(proving, behind, from);
 #endif
+    const F b = SELECT(proving, behind, end);
+    I undefined, rough;
+    const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough);
+    const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined;
+
+    const I starts = active & EQ(step, NONE);
+    const I skips = active & ~proving & (is_above | is_below | undefined), deeper = active & ~proving & ~skips;
+    const I candidate = deeper & LE(step, stop), tried = active & proving & ~starts;
+#if IRT_PARTIAL
+    const I opposite = tried & ((above & is_below) | (below & is_above)) & ~checking, proven = tried & checking & ~rough;
+    const I failed = tried & ~opposite & ~proven;
+    checking = opposite;
+#else
+    const I proven = tried & ((above & is_below) | (below & is_above)), failed = tried & ~proven;
+#endif
+#if IRT_OUTWARD
+    wild = SELECT(candidate, unbounded(f), wild);
+    const I last = LE(step, (I)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
+    const I gives_up = failed & last & ~widens, halves = failed & ~last;
+    const I open = SELECT(wild, UNRESOLVED, TOUCH);
+    stop = SELECT(halves, max(stop >> 4, (I)1), stop);
+    tries = SELECT(candidate, NONE, tries - widens);
+    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, margin + margin, margin));
+#else
+    const I gives_up = failed, halves = NONE, open = TOUCH;
+    margin = (F)0;
+#endif
+    pieces -= active;
+    const I next = position + step, ended = skips & GE(next, PATH_END);
+    const I exhausted = active & ~(ended | proven | gives_up) & GE(pieces, (I)max_pieces);
+    const I stops = proven | gives_up | exhausted;
+    status = SELECT(stops, SELECT(proven, HIT, SELECT(gives_up, open, UNRESOLVED)), status);
+    found_lo = SELECT(stops, from, found_lo);
+    found_hi = SELECT(stops, SELECT(proven, behind, end), found_hi);
+    active &= ~(stops | ended);
+
+    above = SELECT(skips | starts, is_above, above);
+    below = SELECT(skips | starts, is_below, below);
+    proving = SELECT(starts | halves, NONE, proving | candidate);
+    const I longest = next & -next;
+    step = SELECT(skips, min(longest, step << 1), SELECT((deeper & ~candidate) | halves, step >> 1, SELECT(starts, PATH_END, step)));
+    position = SELECT(skips, next, position);
   }
   return report(&path, q, status, found_lo, found_hi);
 }

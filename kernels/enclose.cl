@@ -4,8 +4,8 @@
 #define TERM(k) LOAD(coordinates + (k) * (size_t)stride + at)
 
 __kernel void enclose_pieces(__global const real* coordinates, const int stride, __global real* lower,
-                             __global real* upper PARAMETERS) {
-  const size_t at = W * get_global_id(0);
+                             __global real* upper PARAMETERS, const int first_column, const int first_row) {
+  const size_t at = W * (first_column + get_global_id(0));
   I undefined, rough;
 #if IRT_AFFINE
   const RA x = ra(TERM(0), TERM(1), TERM(2)), y = ra(TERM(3), TERM(4), TERM(5)), z = ra(TERM(6), TERM(7), TERM(8));

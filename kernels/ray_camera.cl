@@ -16,13 +16,13 @@ static inline FW gather(__global const wide* from, __global const int* index) {
   return LOAD_WIDE(lanes);
 #endif
 }
-#define COLUMN_TERM(k) gather(columns + (k) * column_stride, list + 2 * W * get_global_id(0))
-#define ROW_TERM(k) gather(rows + (k) * row_stride, list + 2 * W * get_global_id(0) + 1)
+#define COLUMN_TERM(k) gather(columns + (k) * column_stride, list + 2 * W * column)
+#define ROW_TERM(k) gather(rows + (k) * row_stride, list + 2 * W * column + 1)
 #else
 #define RAY_DECL __global const wide *columns, __global const wide *rows, const int column_stride, const int row_stride
 #define RAY_PASS columns, rows, column_stride, row_stride
-#define COLUMN_TERM(k) LOAD_WIDE(columns + (k) * column_stride + W * get_global_id(0))
-#define ROW_TERM(k) ((FW)rows[(k) * row_stride + get_global_id(1)])
+#define COLUMN_TERM(k) LOAD_WIDE(columns + (k) * column_stride + W * column)
+#define ROW_TERM(k) ((FW)rows[(k) * row_stride + row])
 #endif
 
 // One axis: position, direction, and the error of any coordinate on the ray: the rounding of both terms, of their sum,
@@ -46,7 +46,7 @@ static inline FW gather(__global const wide* from, __global const int* index) {
   }
 #endif
 
-static inline RAY make_ray(RAY_DECL, __global const real* q) {
+static inline RAY make_ray(RAY_DECL, __global const real* q, size_t column, size_t row) {
   RAY r;
   AXIS(r.px, r.dx, r.ex, r.wpx, r.wdx, 0)
   AXIS(r.py, r.dy, r.ey, r.wpy, r.wdy, 1)

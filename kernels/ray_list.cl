@@ -4,7 +4,7 @@
 
 #define RAY_DECL __global const wide *rays, const int ray_stride
 #define RAY_PASS rays, ray_stride
-#define RAY_TERM(k) LOAD_WIDE(rays + (k) * ray_stride + W * get_global_id(0))
+#define RAY_TERM(k) LOAD_WIDE(rays + (k) * ray_stride + W * column)
 
 // The rounding of P and D, of the entry point, of the steps along the ray and of the evaluation.
 #define AXIS_ERROR(p, d) fma((F)(R(4.0) * ULP), fma((F)RADIUS, fabs(d), fabs(p)), (F)POSITION_PAD)
@@ -15,7 +15,7 @@
 #define SET(v, w, term) v = term;
 #endif
 
-static inline RAY make_ray(RAY_DECL, __global const real* q) {
+static inline RAY make_ray(RAY_DECL, __global const real* q, size_t column, size_t row) {
   RAY r;
   SET(r.px, r.wpx, RAY_TERM(0))
   SET(r.py, r.wpy, RAY_TERM(1))

@@ -6,9 +6,9 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
 #if IRT_RGB
                     __global uint* rgba, const uint background,
 #endif
-                    __global real* depth, __global real* uncertainty, __global uchar* status PARAMETERS) {
-  const size_t at = get_global_id(1) * pitch + get_global_id(0) * W;
-  const RAY ray = make_ray(RAY_PASS, q);
+                    __global real* depth, __global real* uncertainty, __global uchar* status PARAMETERS, const int first_column, const int first_row) {
+  const size_t column = first_column + get_global_id(0), row = first_row + get_global_id(1), at = row * pitch + column * W;
+  const RAY ray = make_ray(RAY_PASS, q, column, row);
   const RANGE range = clip_ray(&ray, q);
   const ROOT root = find_root(&ray, &range, q, max_pieces PARAMETERS_PASS);
   const I found = EQ(root.status, HIT) | EQ(root.status, TOUCH);

@@ -67,8 +67,9 @@ class Device : public std::enable_shared_from_this<Device> {
   virtual std::uint64_t builds() const = 0;
   // `host` must outlive the buffer. Alignment of 64 lets CPU drivers use it in place.
   virtual std::unique_ptr<Buffer> buffer(void* host, std::size_t bytes, Access access) = 0;
-  // Runs the kernel over columns x rows work-items in bands (get_global_id counts over the whole grid), each short
-  // enough that cancellation answers at once. Blocks; does not need the GIL.
+  // Runs the kernel over columns x rows work-items in bands, each short enough that cancellation answers at once. The
+  // kernel's last two arguments, not among `args`, are ints: the column and row at which the band begins (global
+  // offsets would make drivers compile once more). Blocks; does not need the GIL.
   virtual Outcome run(Kernel& kernel, std::span<const Arg> args, std::size_t columns, std::size_t rows,
                       const Control& control, Timing* timing = nullptr) = 0;
 };

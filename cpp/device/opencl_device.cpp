@@ -61,6 +61,25 @@ std::string numbered(const std::string& source) {
   return out;
 }
 
+// Launches of one kernel object on one queue.
+struct Bands {
+  cl_command_queue queue;
+  cl_kernel kernel;
+  cl_uint arguments;  // set already
+
+  // Local size (1, 1) and no global offset: drivers that compile for each of these compile once.
+  double launch(std::size_t x, std::size_t y, std::size_t columns, std::size_t rows) const {
+    const auto first_column = static_cast<cl_int>(x), first_row = static_cast<cl_int>(y);
+    check(table(kernel).clSetKernelArg(kernel, arguments, sizeof first_column, &first_column), "clSetKernelArg");
+    check(table(kernel).clSetKernelArg(kernel, arguments + 1, sizeof first_row, &first_row), "clSetKernelArg");
+    const std::size_t global[] = {columns, rows}, local[] = {1, 1};
+    const auto start = std::chrono::steady_clock::now();
+    check(table(queue).clEnqueueNDRangeKernel(queue, kernel, 2, nullptr, global, local, 0, nullptr, nullptr), "clEnqueueNDRangeKernel");
+    check(table(queue).clFinish(queue), "clFinish");
+    return since(start);
+  }
+};
+
 class ClDevice : public Device {
  public:
   ClDevice(cl_device_id device, Info info) : device_(device), info_(std::move(info)), process_(getpid()) {
@@ -111,7 +130,8 @@ class ClDevice : public Device {
     for (std::size_t i = 0; i < args.size(); ++i) set_argument(object.get(), static_cast<cl_uint>(i), args[i]);
     const Queue queue = make_queue();
     Timing spent;
-    if (!kernel.launched.exchange(true)) spent.launch = launch(queue.get(), object.get(), 0, 0, 1, 1);
+    const Bands bands{queue.get(), object.get(), static_cast<cl_uint>(args.size())};
+    if (!kernel.launched.exchange(true)) spent.launch = bands.launch(0, 0, 1, 1);
     // Bands of rows; of columns where there is one row.
     const bool by_rows = rows > 1;
     const std::size_t lines = by_rows ? rows : columns, across = by_rows ? columns : 1;
@@ -130,7 +150,7 @@ class ClDevice : public Device {
       std::size_t band = std::clamp<std::size_t>(static_cast<std::size_t>(std::min(wanted, 1e9)), 1, lines - done);
       // No short band at the end: two of equal length instead.
       if (band < lines - done && lines - done < 2 * band) band = (lines - done + 1) / 2;
-      const double seconds = by_rows ? launch(queue.get(), object.get(), 0, done, columns, band) : launch(queue.get(), object.get(), done, 0, band, 1);
+      const double seconds = by_rows ? bands.launch(0, done, columns, band) : bands.launch(done, 0, band, 1);
       spent.kernel += seconds;
       kernel.seconds_per_item = seconds / static_cast<double>(band * across);
       done += band;
@@ -170,15 +190,6 @@ class ClDevice : public Device {
     Queue queue(table(context_).clCreateCommandQueue(context_, device_, 0, &code));
     check(code, "clCreateCommandQueue");
     return queue;
-  }
-
-  // Local size (1, 1): drivers that compile for each local size then compile once.
-  static double launch(cl_command_queue queue, cl_kernel kernel, std::size_t x, std::size_t y, std::size_t columns, std::size_t rows) {
-    const std::size_t offset[] = {x, y}, global[] = {columns, rows}, local[] = {1, 1};
-    const auto start = std::chrono::steady_clock::now();
-    check(table(queue).clEnqueueNDRangeKernel(queue, kernel, 2, offset, global, local, 0, nullptr, nullptr), "clEnqueueNDRangeKernel");
-    check(table(queue).clFinish(queue), "clFinish");
-    return since(start);
   }
 
   static void set_argument(cl_kernel kernel, cl_uint index, const Arg& arg) {

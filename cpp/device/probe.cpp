@@ -50,8 +50,8 @@ std::string run(Device& device, int width) {
                                    "#define FLOAT(v) convert_{0}{2}(v)\n", real, integer, w);
   source += width == 1 ? "#define PICK(a, b, m) ((m) ? (b) : (a))\n#define ANY(m) (m)\n#define LOAD(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n"
                        : fmt::format("#define PICK(a, b, m) select(a, b, m)\n#define ANY(m) any(m)\n#define LOAD(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n", width);
-  source += fmt::format("__kernel void probe(__global const {0}* in, __global {0}* out, const int n, __global uchar* bytes) {{\n"
-                        "  const size_t at = {1} * get_global_id(0);\n  const F v = LOAD(in + at);\n", real, width);
+  source += fmt::format("__kernel void probe(__global const {0}* in, __global {0}* out, const int n, __global uchar* bytes, const int first_column, const int first_row) {{\n"
+                        "  const size_t at = {1} * (first_column + get_global_id(0));\n  const F v = LOAD(in + at);\n", real, width);
   int k = 0;
   for (const Builtin& b : kBuiltins) source += fmt::format("  STORE({}, out + {} * n + at);\n", b.call, k++);
   // The loop of a root finder: masks that decide when it ends.

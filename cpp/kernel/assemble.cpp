@@ -26,7 +26,7 @@ std::string prelude(const program::Program& program, const Spec& spec) {
   const bool wide = spec.precision == Precision::Double;
   const std::string real = wide ? "double" : "float", integer = wide ? "long" : "int";
   const std::string w = spec.width == 1 ? "" : std::to_string(spec.width);
-  const bool parameters = !program.parameters.empty();
+  const bool parameters = program.inputs() > 0;
   std::string text = fmt::format("#define W {}\n", spec.width);
   const auto define = [&](const char* name, int value) { text += fmt::format("#define {} {}\n", name, value); };
   define("IRT_DOUBLE", wide);
@@ -66,6 +66,7 @@ std::string prelude(const program::Program& program, const Spec& spec) {
   for (std::size_t i = 0; i < program.parameters.size(); ++i)
     text += fmt::format("// p[{}], p[{}]: bounds of {}\n", 2 * i, 2 * i + 1,
                         identifier(program.parameters[i]) ? program.parameters[i] : "a parameter");
+  if (program.isovalue) text += fmt::format("// p[{}], p[{}]: bounds of the isovalue\n", 2 * program.parameters.size(), 2 * program.parameters.size() + 1);
   return text;
 }
 

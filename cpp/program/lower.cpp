@@ -50,6 +50,7 @@ class Lowering {
   Program run(const Expr& f, bool isovalue) {
     collect_parameters(f);
     program_.result = value_of(f);
+    program_.isovalue = isovalue;
     if (isovalue) {
       const Value iso = emit({.code = Code::Parameter, .index = static_cast<std::int64_t>(program_.parameters.size())});
       program_.result = binary(Code::Sub, program_.result, iso);

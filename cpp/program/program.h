@@ -74,7 +74,10 @@ struct Instruction {
 struct Program {
   std::vector<Instruction> code;  // operands come before their users
   Value result = 0;
-  std::vector<std::string> parameters;  // sorted by name; the isovalue, where asked for, follows them
+  std::vector<std::string> parameters;  // sorted by name
+  bool isovalue = false;                // one more input, after the parameters
+
+  std::size_t inputs() const { return parameters.size() + (isovalue ? 1 : 0); }
 
   const Instruction& operator[](Value v) const { return code[static_cast<std::size_t>(v)]; }
   bool is_constant(Value v) const { return (*this)[v].code == Code::Constant; }

@@ -51,7 +51,7 @@ struct Options {
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;
-  std::vector<double> parameters;  // as Program::parameters has them, the isovalue last
+  std::vector<double> parameters;  // one for each of Program::inputs()
   int max_pieces = 0;              // 0: the default
   bool normal = true, rgb = true;
   std::array<double, 3> color{}, back_color{}, unresolved_color{};  // linear light

@@ -36,7 +36,7 @@ std::vector<std::array<double, 2>> enclose_pieces(const program::Program& progra
   std::vector<device::Arg> args{in.get(), static_cast<std::int32_t>(stride), lo.get(), hi.get()};
   const Reals parameters = parameter_ends(program, options, precision);
   const auto p = parameters.buffer(device);
-  if (!program.parameters.empty()) args.emplace_back(p.get());
+  if (program.inputs()) args.emplace_back(p.get());
   device.run(*kernel, args, stride / spec.width, 1, options.control, nullptr);
   lo->read();
   hi->read();

@@ -63,17 +63,13 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
                      const device::Device& device, Precision precision, kernel::Entry entry) {
   kernel::Spec spec;
   spec.entry = entry;
-  spec.affine = options.affine;
-  spec.outward = options.outward;
-  spec.normal = options.normal;
-  spec.rgb = options.rgb;
   spec.precision = precision;
   spec.width = packet_width(device, precision);
   spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
   // Brackets may reach a little out of the bounds.
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
-  return spec;
+  return with_options(spec, options);
 }
 
 Answer pass(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
@@ -108,8 +104,12 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
 Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
                     device::Device& device) {
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
+  // With parameters the second pass may be needed at any move of a slider, which should compile nothing.
+  const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
+  if (second && program.inputs())
+    prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
   Answer answer = pass(program, view, bounds, options, device, first, nullptr, 0);
-  if (options.precision != PrecisionMode::Auto || answer.outcome != device::Outcome::done || !device.info().fp64) return answer;
+  if (!second || answer.outcome != device::Outcome::done) return answer;
   const auto open = undecided(answer, options);
   if (!open.empty())
     scatter(answer, pass(program, view, bounds, options, device, Precision::Double, &open, answer.pitch), open);

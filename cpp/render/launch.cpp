@@ -120,8 +120,8 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
 }
 
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
-  Reals ends(precision, 2 * program.parameters.size());
-  for (std::size_t i = 0; i < program.parameters.size(); ++i) {
+  Reals ends(precision, 2 * program.inputs());
+  for (std::size_t i = 0; i < program.inputs(); ++i) {
     const double v = options.parameters[i];
     ends.set(2 * i, precision == program::Precision::Double ? v : static_cast<double>(float_below(v)));
     ends.set(2 * i + 1, precision == program::Precision::Double ? v : static_cast<double>(float_above(v)));
@@ -172,14 +172,22 @@ Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Pr
   return a;
 }
 
-void launch(const program::Program& program, kernel::Spec spec, std::vector<device::Arg> args, const Reals& settings,
-            const Options& options, device::Device& device, Answer& answer) {
-  if (spec.precision == program::Precision::Double && !device.info().fp64)
-    throw DeviceError(fmt::format("{} has no double precision; use precision=\"single\" or another device", device.info().name));
+kernel::Spec with_options(kernel::Spec spec, const Options& options) {
   spec.affine = options.affine;
   spec.outward = options.outward;
   spec.normal = options.normal;
   spec.rgb = options.rgb;
+  return spec;
+}
+
+void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device) {
+  device.kernel(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
+}
+
+void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,
+            const Options& options, device::Device& device, Answer& answer) {
+  if (spec.precision == program::Precision::Double && !device.info().fp64)
+    throw DeviceError(fmt::format("{} has no double precision; use precision=\"single\" or another device", device.info().name));
   const auto start = std::chrono::steady_clock::now();
   const std::uint64_t builds = device.builds();
   const auto kernel = device.kernel(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
@@ -210,7 +218,7 @@ void launch(const program::Program& program, kernel::Spec spec, std::vector<devi
   args.emplace_back(output(*answer.status));
   const std::size_t last_output = buffers.size();
   const Reals parameters = parameter_ends(program, options, spec.precision);
-  if (!program.parameters.empty()) args.emplace_back(keep(parameters.buffer(device)));
+  if (program.inputs()) args.emplace_back(keep(parameters.buffer(device)));
   device::Timing timing;
   answer.outcome = device.run(*kernel, args, answer.pitch / spec.width, answer.rows, options.control, &timing);
   answer.launch_seconds += timing.launch;

@@ -30,8 +30,14 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
 // The distance from the middle of the bounds to its corners, and a little more.
 double reach(const Bounds& bounds);
 
+// The part of a specification that the options decide.
+kernel::Spec with_options(kernel::Spec spec, const Options& options);
+
+// Builds a kernel that a later call may need.
+void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device);
+
 // One launch of a trace kernel that writes into `answer`; `inputs` are the arguments that make the rays.
-void launch(const program::Program& program, kernel::Spec spec, std::vector<device::Arg> inputs, const Reals& settings,
+void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,
             const Options& options, device::Device& device, Answer& answer);
 
 // Rows of `answer` that hold `columns` results each.

@@ -60,8 +60,8 @@ RayTerms make_terms(const Rays& rays, const std::vector<std::size_t>* which, std
   return out;
 }
 
-Answer pass(const program::Program& program, const Rays& rays, const std::vector<std::size_t>* which, const Bounds& bounds,
-            const Options& options, device::Device& device, Precision precision) {
+kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, const Options& options, const device::Device& device,
+                     Precision precision) {
   kernel::Spec spec;
   spec.entry = kernel::Entry::RayList;
   spec.precision = precision;
@@ -69,6 +69,12 @@ Answer pass(const program::Program& program, const Rays& rays, const std::vector
   spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
+  return with_options(spec, options);
+}
+
+Answer pass(const program::Program& program, const Rays& rays, const std::vector<std::size_t>* which, const Bounds& bounds,
+            const Options& options, device::Device& device, Precision precision) {
+  const kernel::Spec spec = spec_of(program, bounds, options, device, precision);
   const std::size_t count = which ? which->size() : rays.count;
   Answer answer = make_answer(count, 1, spec.width, precision, options);
   const RayTerms terms = make_terms(rays, which, count, answer.pitch, bounds, precision, spec.split);
@@ -84,8 +90,10 @@ Answer trace_rays(const program::Program& program, const Rays& rays, const Bound
                   device::Device& device) {
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   if (rays.count == 0) return make_answer(0, 1, packet_width(device, first), first, options);
+  const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
+  if (second && program.inputs()) prepare(program, spec_of(program, bounds, options, device, Precision::Double), device);
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
-  if (options.precision != PrecisionMode::Auto || answer.outcome != device::Outcome::done || !device.info().fp64) return answer;
+  if (!second || answer.outcome != device::Outcome::done) return answer;
   const auto open = undecided(answer, options);
   if (!open.empty()) scatter(answer, pass(program, rays, &open, bounds, options, device, Precision::Double), open);
   return answer;

@@ -62,7 +62,8 @@ def mitsuba_frame(shapes: Mapping[str, Any], camera: Camera, size: tuple[int, in
         raise ArgumentError(f"mitsuba_frame needs the variant scalar_rgb; {mi.variant()} is set already")
     for name, shape in shapes.items():
         _check_grid(name, shape)
-    scene = mi.load_dict({"type": "scene", **{k: _robust(v) for k, v in shapes.items()}})
+    # Without the option a ray slips through a mesh's edge now and then.
+    scene = mi.load_dict({"type": "scene", "embree_use_robust_intersections": True, **shapes})
     origins, directions = camera.rays(size)
     width, height = size
     depth = np.full((height, width), np.inf)
@@ -76,14 +77,6 @@ def mitsuba_frame(shapes: Mapping[str, Any], camera: Camera, size: tuple[int, in
                 n = np.array(hit.sh_frame.n, dtype=np.float64)
                 normal[row, column] = -n if n @ d > 0 else n
     return ReferenceFrame(depth, normal, camera)
-
-
-def _robust(shape: Any) -> Any:
-    """Meshes without this let a ray slip through an edge now and then."""
-    meshes = ("ply", "obj", "serialized")
-    if isinstance(shape, Mapping) and shape.get("type") in meshes:
-        return {"embree_use_robust_intersections": True, **shape}
-    return shape
 
 
 def _check_grid(name: str, shape: Any) -> None:

@@ -99,7 +99,10 @@ def test_parameters_compile_nothing() -> None:
     first = irt.render("x^2 + y^2 + z^2 - a^2", params={"a": 0.5}, size=(32, 32), isovalue=0.0)
     second = irt.render("x^2 + y^2 + z^2 - a^2", params={"a": 1.25}, size=(32, 32), isovalue=0.1)
     assert second.stats.builds == 0
-    assert second.hit.sum() > first.hit.sum()
+    assert second.hit.sum() > first.hit.sum() > 0
+    by_hand = irt.render(f"x^2 + y^2 + z^2 - {1.25**2 + 0.1!r}", size=(32, 32))
+    assert np.array_equal(second.hit, by_hand.hit)
+    assert irt.render("x^2 + y^2 + z^2", size=(32, 32), isovalue=0.25).hit.any()
 
 
 def test_outputs_and_transparency() -> None:

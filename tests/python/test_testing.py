@@ -11,6 +11,7 @@ import implicitrt as irt
 from implicitrt.testing import assert_matches, mitsuba_frame
 
 mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed; scripts/test installs it")
+mi.set_variant("scalar_rgb")
 SIZE = (64, 48)
 CAMERA = irt.Camera((2.2, 1.7, 3.1), fov=35)
 
