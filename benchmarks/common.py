@@ -38,16 +38,7 @@ def yardstick(size: int, width: int) -> dict[str, float]:
         text=True,
         check=True,
     )
-    rows = json.loads(done.stdout[done.stdout.index("{") if "{" in done.stdout.split("[")[0] else done.stdout.index("[") :])
-    return _milliseconds(rows)
-
-
-def _milliseconds(rows: object) -> dict[str, float]:
-    if isinstance(rows, dict):
-        rows = rows.get("rows", rows)
-    if isinstance(rows, dict):
-        return {k: float(v["ms"] if isinstance(v, dict) else v) for k, v in rows.items() if k}
-    return {str(r.get("name") or f"{r['kind']} {r['surface']}"): float(r["ms"]) for r in rows}  # type: ignore[union-attr]
+    return {name: float(ms) for name, ms in json.loads(done.stdout)["ms"].items()}
 
 
 def median_seconds(call: Callable[[], float], runs: int = 5) -> float:

@@ -9,7 +9,7 @@
 // f is evaluated at one place only, for lanes that march and lanes that prove alike: no lane waits for another, and the
 // driver compiles f once.
 #define MARGIN R(0.25)  // of a piece, beyond its end
-#define WIDENINGS 12    // each twofold
+#define WIDENINGS 24    // each by a half, so that the bracket is hardly wider than it must be
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
@@ -61,7 +61,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const I open = SELECT(wild, UNRESOLVED, TOUCH);
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
     tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, margin + margin, margin));
+    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.5) * margin, margin));
 #else
     const I gives_up = failed, halves = NONE, open = TOUCH;
     margin = (F)0;

@@ -1,0 +1,68 @@
+"""Speed beside a hand-written kernel, in one run: the Barth sextic, 1024 x 1024, medians of alternating runs.
+
+    IMPLICITRT_TEST_DATA=... python benchmarks/speed.py [--runs 5]      needs pyopencl for the yardstick
+
+Ratios are of medians over runs that alternate, so that other load on the machine hits both alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+
+from common import CAMERA, EPS, table, yardstick
+
+import implicitrt as irt
+
+SIZE = 1024
+
+
+def frame(method: str, rounding: str, outputs: tuple[str, ...], device: str | None = None) -> tuple[float, float]:
+    """Milliseconds of the kernel and of the whole call."""
+    started = time.perf_counter()
+    f = irt.render(
+        irt.surfaces["barth_sextic"].expr, bounds=3, camera=CAMERA, eps=EPS, size=(SIZE, SIZE), method=method,
+        rounding=rounding, precision="single", outputs=outputs, device=device,
+    )  # fmt: skip
+    return 1e3 * f.stats.seconds["kernel"], 1e3 * (time.perf_counter() - started)
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=5)
+    runs = parser.parse_args().runs
+    width = irt.devices()[0].width
+    times: dict[tuple[str, str], list[float]] = {}
+    for run in range(runs + 1):
+        rows = yardstick(SIZE, width)
+        for method in ("raa", "ia"):
+            found = {"yardstick": rows[f"{method} barth_sextic"]}
+            for rounding in ("fast", "outward"):
+                pairs = [frame(method, rounding, ()) for _ in range(3)]
+                found[f"kernel, {rounding}"] = statistics.median(k for k, _ in pairs)
+                whole = [frame(method, rounding, ("rgb", "normal")) for _ in range(3)]
+                found[f"render(), {rounding}"] = statistics.median(t for _, t in whole)
+            found["kernel, fast, width 1"] = frame(method, "fast", (), ":1")[0]
+            if run:  # the first run warms everything up
+                for what, ms in found.items():
+                    times.setdefault((method, what), []).append(ms)
+    medians = {key: statistics.median(v) for key, v in times.items()}
+    lines = [
+        (
+            method,
+            what,
+            f"{ms:.1f}",
+            f"{ms / medians[method, 'yardstick']:.2f}",
+            f"{ms / medians[method, 'kernel, fast']:.2f}",
+        )
+        for (method, what), ms in medians.items()
+    ]
+    device = irt.devices()[0]
+    print(f"{device.name}, {device.driver}, {SIZE} x {SIZE}, medians of {runs} alternating runs\n")
+    print(table(("method", "what", "ms", "of the yardstick", "of the fast kernel"), lines))
+
+
+if __name__ == "__main__":
+    main()

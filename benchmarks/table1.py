@@ -1,0 +1,79 @@
+"""Table 1 of S1 (Knoll et al. 2008), redrawn beside the printed numbers.
+
+    python benchmarks/table1.py [--size 1024]        writes docs/table1.md
+
+Frames per second by kernel time, with normals and shading, at eps = 2^-11 of the largest side of the bounds, from the
+cameras of the named surfaces. The paper's cameras are not known, and surfaces marked * are reconstructions: the
+comparison is one of orders of magnitude.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from common import median_seconds, table
+
+import implicitrt as irt
+
+# Degree, CPU IA, GPU IA, GPU RAA as printed; None where there is no number.
+PRINTED: dict[str, tuple[float | None, float | None, float | None]] = {
+    "sphere": (15, 75, 147), "steiner": (7.5, 34, 40), "mitchell": (5.2, 16, 58), "teardrop": (5.5, 102, 115),
+    "bretzel4": (13, 78, 48), "klein_bottle": (11, 30, 110), "tangle": (3.2, 15, 68), "decocube": (5.5, 28, 27),
+    "barth_sextic": (7.4, 31, 76), "barth_decic": (0.9, 4.9, 15.6), "superquadric_200": (18, 119, 8.3),
+    "icos_csg": (None, 13.3, None), "sq_csg": (None, 8.9, None), "sin_blob": (None, 6.0, None), "cloth": (None, 38, None),
+    "water": (None, 37, None),
+}  # fmt: skip
+
+
+def main() -> None:
+    """Measures, prints and writes the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--size", type=int, default=1024)
+    size = parser.parse_args().size
+    lines = []
+    for name, printed in PRINTED.items():
+        surface = irt.surfaces[name]
+        eps = max(b - a for a, b in zip(surface.bounds.lower, surface.bounds.upper, strict=True)) / 2048
+        cells: list[str] = []
+        for rounding in ("fast", "outward"):
+            for method in ("ia", "raa"):
+
+                def once(surface=surface, eps=eps, method=method, rounding=rounding) -> float:
+                    frame = irt.render(
+                        surface, size=(size, size), eps=eps, method=method, rounding=rounding, precision="single"
+                    )
+                    return frame.stats.seconds["kernel"]
+
+                cells.append(f"{1 / median_seconds(once, 3):.1f}")
+        shown = ["-" if p is None else f"{p:g}" for p in printed]
+        lines.append((name + ("*" if surface.reconstructed else ""), surface.degree or "-", *shown, *cells))
+        print(lines[-1], flush=True)
+    device = irt.devices()[0]
+    text = (
+        f"# Table 1 of Knoll et al. 2008, redrawn\n\nFrames per second by kernel time at {size} x {size}, eps 2^-11 of the "
+        f"largest side of the bounds; {device.name}, {device.driver}, packets of {device.width}; * reconstructed: the paper "
+        "gives only a name. Printed: four Xeon cores (SSE), and an NVIDIA 8800 GTX, from cameras that are not known. "
+        "Written by `benchmarks/table1.py`.\n\n"
+        + table(
+            (
+                "surface",
+                "degree",
+                "printed CPU IA",
+                "printed GPU IA",
+                "printed GPU RAA",
+                "IA fast",
+                "RAA fast",
+                "IA outward",
+                "RAA outward",
+            ),
+            lines,
+        )
+        + "\n"
+    )
+    (Path(__file__).parents[1] / "docs" / "table1.md").write_text(text)
+    print(text)
+
+
+if __name__ == "__main__":
+    main()
