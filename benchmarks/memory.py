@@ -23,7 +23,7 @@ LONG = """
 import implicitrt as irt
 irt.render("x", size=(8, 8))
 print("ready", flush=True)
-irt.render("sin(30*x)*sin(30*y)*sin(30*z) + 0.9999", size=(4096, 4096), method="ia")
+irt.render("sin(30*x)*sin(30*y)*sin(30*z) + 0.9999", size=(8192, 8192), method="ia")
 """
 
 
@@ -34,7 +34,7 @@ def main() -> None:
     child = subprocess.Popen([sys.executable, "-c", LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert child.stdout is not None
     child.stdout.readline()
-    time.sleep(4)
+    time.sleep(2)
     assert child.poll() is None, "the long frame ended too soon"
     started = time.perf_counter()
     child.send_signal(signal.SIGINT)
