@@ -90,8 +90,8 @@ static inline IA ra_range(RA a) {
 #else
   const F r = ra_rad(a);
 #endif
-  const IA i = IA_OUT(a.x - r, a.x + r, EXACT_K);
-  return ia(NAN_TO(i.lo, -INF), NAN_TO(i.hi, INF));
+  // Before min and max could drop it, nan (infinity times zero) becomes the whole line.
+  return IA_OUT(NAN_TO(a.x - r, -INF), NAN_TO(a.x + r, INF), EXACT_K);
 }
 
 // An interval as a form that has forgotten where in the piece it is.

@@ -66,6 +66,8 @@ def test_known_ranges() -> None:
     assert np.isnan(irt.enclose("log(x)", [-2, 0, 0], [-1, 0, 0], algebra="raa")).all()
     clipped = irt.enclose("sqrt(x)", [-2, 0, 0], [4, 0, 0])[0]
     assert clipped[0] == 0 and clipped[1] == pytest.approx(2, abs=1e-5)
+    product = irt.enclose("x*y", [-np.inf, 0, 0], [np.inf, 0, 0], algebra="raa")[0]
+    assert product[0] <= 0 <= product[1]  # infinity times zero
     endless = irt.enclose("x + 1", [0, 0, 0], [np.inf, 0, 0])[0]
     assert endless[0] <= 1 and endless[1] == np.inf
 
