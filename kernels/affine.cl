@@ -19,7 +19,14 @@ static inline RA ra(F x, F y, F z) {
 
 static inline F ra_rad(RA a) { return fabs(a.y) + a.z; }
 
-static inline RA ra_point(F v) { return ra(v, (F)0, (F)0); }
+// How far from x the values of a form may lie.
+static inline F ra_reach(RA a) {
+#if IRT_OUTWARD
+  return ra_rad(a) * (R(1.0) + R(4.0) * ULP) + (F)ULP * fabs(a.x);
+#else
+  return ra_rad(a);
+#endif
+}
 
 // A form whose x, y and z were each computed with one rounding: half an ulp of each, half an ulp of the sum itself.
 #if IRT_OUTWARD

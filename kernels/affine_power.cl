@@ -8,15 +8,6 @@
 #define RA_POWER(a, power_below, power_twice, n, even) \
   ra_power(a, power_below(fabs((a).x)), power_twice(fabs((a).x) + ra_reach(a)), n, even)
 
-// How far from x the values of a form may lie.
-static inline F ra_reach(RA a) {
-#if IRT_OUTWARD
-  return ra_rad(a) * (R(1.0) + R(4.0) * ULP) + (F)ULP * fabs(a.x);
-#else
-  return ra_rad(a);
-#endif
-}
-
 static inline RA ra_power(RA a, F below, F twice, real n, I even) {
   const F size = fabs(a.x), reach = ra_reach(a), most = size + reach;
   const F power = below * size, top = twice * most * most, steep = n * below;

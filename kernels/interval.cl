@@ -14,9 +14,6 @@ static inline IA ia(F lo, F hi) {
   return r;
 }
 
-// A value known exactly.
-static inline IA ia_point(F v) { return ia(v, v); }
-
 // Rounds two computed ends outward by k ulp.
 #define IA_OUT(l, h, k) ia(LOWER(CAP_LOWER(l), k), UPPER(CAP_UPPER(h), k))
 

@@ -38,7 +38,6 @@
 #define PI_LO 0x1.921fb4p+1f
 #define PI_HI 0x1.921fb6p+1f
 #endif
-#define UNIT (R(0.5) * ULP)  // the largest relative error of one rounding
 #define INF ((F)INFINITY)
 
 // Outward rounding by multiplication: the computed v lies within k ulp of the exact value, one ulp of the pad itself

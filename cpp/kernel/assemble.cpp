@@ -73,7 +73,8 @@ std::string prelude(const program::Program& program, const Spec& spec) {
 // Library files in the order in which they build on one another.
 constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "interval_exponential.cl", "interval_power.cl",
                                        "interval_trigonometric.cl", "interval_step.cl", "interval_modulo.cl",
-                                       "interval_choice.cl", "affine.cl", "affine_power.cl"};
+                                       "interval_choice.cl", "polynomial.cl", "affine.cl", "affine_power.cl",
+                                       "affine_polynomial.cl"};
 
 }  // namespace
 

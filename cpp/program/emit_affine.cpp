@@ -26,7 +26,7 @@ class AffineEmitter {
     out_.range_result = ranged;
     std::string functions;
     for (long n : powers_) functions += power_function(n);
-    out_.source = functions +
+    out_.source = functions + taylor_functions(program_, precision_) +
                   "// Affine enclosure over a piece of ray.\n"
                   "static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough) {\n" +
                   text_ + finish_masks(program_) + fmt::format("  return {};\n}}\n", result);
@@ -97,6 +97,9 @@ class AffineEmitter {
         if (program_.is_constant(in.a)) return define(v, scale(in.b, program_[in.a].value));
         break;
       case Code::Power: return define(v, power(v));
+      case Code::Polynomial:
+        out_.files.insert({"polynomial.cl", "affine_polynomial.cl"});
+        return define(v, fmt::format("RA_POLYNOMIAL({}, taylor_{})", form(in.a), in.index));
       default: break;
     }
     if (op.affine) {

@@ -39,6 +39,15 @@ Emitted emit_gradient(const Program& program, Precision precision) {
       text += fmt::format("  const F {0} = {0}_below * {1};\n", r, a);
       continue;
     }
+    if (in.code == Code::Polynomial) {
+      // Horner's rule, for the value and the slope together.
+      const auto& c = program.polynomials[static_cast<std::size_t>(in.index)];
+      text += fmt::format("  F {0}_p = (F){1}, {0}_d = (F)0;\n", r, literal(nearest(c.back(), precision)));
+      for (std::size_t k = c.size() - 1; k-- > 0;)
+        text += fmt::format("  {0}_d = fma({0}_d, {1}, {0}_p), {0}_p = fma({0}_p, {1}, (F){2});\n", r, a, literal(nearest(c[k], precision)));
+      text += fmt::format("  const F {0} = {0}_p;\n", r);
+      continue;
+    }
     std::string value;
     switch (in.code) {
       case Code::Constant: value = "(F)" + literal(nearest(in.value, precision)); break;
@@ -67,6 +76,8 @@ Emitted emit_gradient(const Program& program, Precision precision) {
       g[in.index] = d;
     } else if (in.code == Code::Power) {
       add(in.a, fmt::format("{} * (R({}.0) * {}_below)", d, in.index, r));
+    } else if (in.code == Code::Polynomial) {
+      add(in.a, fmt::format("{} * {}_d", d, r));
     } else if (in.code == Code::Select) {
       add(in.b, fmt::format("SELECT({}, {}, (F)0)", a, d));
       add(in.c, fmt::format("SELECT({}, (F)0, {})", a, d));

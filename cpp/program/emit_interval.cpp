@@ -54,6 +54,7 @@ std::string interval_rule(const Program& program, Value v, const std::string& a,
       const char* rule = in.index % 2 == 0 ? "IA_POWER_EVEN" : "IA_POWER_ODD";
       return fmt::format("{}({}, power_{}, {})", rule, a, in.index, literal(0.5 * static_cast<double>(in.index) + 1));
     }
+    case Code::Polynomial: return fmt::format("IA_POLYNOMIAL({}, taylor_{})", a, in.index);
     default: return fill(std::string(op.interval) + (op.arity == 2 ? "($a, $b)" : "($a)"), a, b, "", name(v));
   }
 }
@@ -83,7 +84,7 @@ Emitted emit_interval(const Program& program, Precision precision) {
   text += finish_masks(program) + fmt::format("  return {};\n}}\n", name(program.result));
   std::string functions;
   for (long n : powers) functions += power_function(n);
-  out.source = functions + text;
+  out.source = functions + taylor_functions(program, precision) + text;
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "error.h"
+#include "expr/build.h"
 #include "caps.h"
 #include "program/operators.h"
 #include "program/program.h"
@@ -166,11 +167,53 @@ class Lowering {
     bool minus;
   };
 
+  // The terms of a sum that are numbers times powers of one coordinate become one polynomial in it, where they are many
+  // and high enough to cancel. Returns those terms; appends the polynomials to `terms`.
+  std::set<const Node*> group_polynomials(const Expr& e, std::vector<Signed>& terms) {
+    constexpr long kLowest = 6, kHighest = 64;
+    constexpr std::size_t kFewest = 3;
+    struct Term {
+      const Node* key;
+      long power;
+      mpq_class coefficient;
+    };
+    std::map<std::string, std::vector<Term>> groups;
+    for (const Expr& a : e.args()) {
+      const auto [c, rest] = split_coefficient(a);
+      const bool power = rest.op() == Op::Pow && rest.arg(1).op() == Op::Number && rest.arg(1).number().get_den() == 1;
+      const Expr& base = power ? rest.arg(0) : rest;
+      if (base.op() != Op::Symbol || (base.name() != "x" && base.name() != "y" && base.name() != "z")) continue;
+      const long n = power ? rest.arg(1).number().get_num().get_si() : 1;
+      if (n >= 1 && n <= kHighest) groups[base.name()].push_back({a.key(), n, c});
+    }
+    std::set<const Node*> taken;
+    for (const auto& [name, found] : groups) {
+      long degree = 0;
+      for (const Term& t : found) degree = std::max(degree, t.power);
+      if (found.size() < kFewest || degree < kLowest) continue;
+      // Even polynomials are polynomials of the square: a quarter of the work, half of the rounding.
+      const bool even = std::all_of(found.begin(), found.end(), [](const Term& t) { return t.power % 2 == 0; });
+      const long share = even ? 2 : 1;
+      std::vector<Bounds> coefficients(static_cast<std::size_t>(degree / share) + 1, Bounds{0, 0});
+      for (const Term& t : found) {
+        coefficients[static_cast<std::size_t>(t.power / share)] = numerics::enclose_constant(number(t.coefficient));
+        taken.insert(t.key);
+      }
+      program_.polynomials.push_back(std::move(coefficients));
+      const Value coordinate = emit({.code = Code::Coordinate, .index = name[0] - 'x'});
+      const Value base = even ? unary(Code::Sqr, coordinate, true) : coordinate;
+      terms.push_back({emit({.code = Code::Polynomial, .a = base, .index = static_cast<std::int64_t>(program_.polynomials.size() - 1)}), false});
+    }
+    return taken;
+  }
+
   Value sum(const Expr& e) {
     // Products with a negative number in front are subtracted; numbers come last.
     std::vector<Signed> terms;
     std::optional<Value> shift;
+    const std::set<const Node*> grouped = group_polynomials(e, terms);
     for (const Expr& a : e.args()) {
+      if (grouped.count(a.key())) continue;
       const Value v = of(a);
       if (program_.is_constant(v)) {
         shift = shift ? constant(plus(program_[*shift].value, program_[v].value)) : v;

@@ -27,6 +27,12 @@ double magnitude(const Program& program, const double coordinates[3], const std:
       case Code::Mul: r = a * b; break;
       case Code::Sqr: r = a * a; break;
       case Code::Power: r = std::pow(std::max(a, 1.0), static_cast<double>(in.index)); break;
+      case Code::Polynomial: {
+        const auto& coefficients = program.polynomials[static_cast<std::size_t>(in.index)];
+        for (std::size_t k = coefficients.size(); k-- > 0;)
+          r = r * 3 * std::max(a, 1.0) + std::max(std::fabs(coefficients[k].lo), std::fabs(coefficients[k].hi));
+        break;
+      }
       case Code::Sqrt: r = 2 * std::sqrt(a) + 1; break;
       case Code::Cbrt: r = 2 * std::cbrt(a) + 1; break;
       case Code::RealPower: r = in.value.lo > 0 ? 2 * std::pow(std::max(a, 1.0), in.value.hi) : kInfinity; break;

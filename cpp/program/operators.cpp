@@ -15,6 +15,7 @@ constexpr const char* kTrigonometric = "interval_trigonometric.cl";
 constexpr const char* kStep = "interval_step.cl";
 constexpr const char* kModulo = "interval_modulo.cl";
 constexpr const char* kChoice = "interval_choice.cl";
+constexpr const char* kPolynomial = "polynomial.cl";
 constexpr const char* kAffine = "affine.cl";
 
 // Rows without helpers are written by the emitters themselves: they need constants, signs or masks of their operands.
@@ -28,6 +29,7 @@ constexpr std::array kTable = {
     Operator{Code::Mul, "mul", 2, "$a * $b", "$b;$a", "ia_mul", kCore, "ra_mul", kAffine, false},
     Operator{Code::Sqr, "sqr", 1, "$a * $a", "R(2.0) * $a", "ia_sqr", kCore, "ra_sqr", kAffine, false},
     Operator{Code::Power, "power", 1, nullptr, "", nullptr, kCore, nullptr, kAffine, false},
+    Operator{Code::Polynomial, "polynomial", 1, nullptr, "", nullptr, kPolynomial, nullptr, kAffine, false},
     Operator{Code::Recip, "recip", 1, "R(1.0) / $a", "-$r * $r", "ia_recip", kDivide, nullptr, nullptr, true},
     Operator{Code::Div, "div", 2, "$a / $b", "R(1.0) / $b;-$r / $b", "ia_div", kDivide, nullptr, nullptr, true},
     Operator{Code::Sqrt, "sqrt", 1, "sqrt($a)", "R(0.5) / $r", "ia_sqrt", kDivide, nullptr, nullptr, true},

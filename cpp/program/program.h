@@ -22,7 +22,8 @@ enum class Code : std::uint8_t {
   Sub,
   Mul,
   Sqr,
-  Power,  // a ** exponent, exponent >= 3
+  Power,       // a ** exponent, exponent >= 3
+  Polynomial,  // of the value a; index into Program::polynomials
   Recip,
   Div,
   Sqrt,
@@ -75,6 +76,7 @@ struct Program {
   std::vector<Instruction> code;  // operands come before their users
   Value result = 0;
   std::vector<std::string> parameters;  // sorted by name
+  std::vector<std::vector<numerics::Bounds>> polynomials;  // coefficients, lowest first
   bool isovalue = false;                // one more input, after the parameters
 
   std::size_t inputs() const { return parameters.size() + (isovalue ? 1 : 0); }

@@ -82,6 +82,17 @@ std::string power_function(long n) {
   return fmt::format("static inline F power_{0}(F a) {{\n{1}  return r;\n}}\n", n, power_chain("a", n, "r"));
 }
 
+std::string taylor_functions(const Program& program, Precision precision) {
+  std::string text;
+  for (std::size_t i = 0; i < program.polynomials.size(); ++i) {
+    std::string coefficients;
+    for (const auto& c : program.polynomials[i]) coefficients += (coefficients.empty() ? "(F)" : ", (F)") + literal(nearest(c, precision));
+    text += fmt::format("static inline TAYLOR taylor_{}(F c, F r) {{\n  F t[] = {{{}}};\n  return taylor_form(t, {}, c, r);\n}}\n", i, coefficients,
+                        program.polynomials[i].size() - 1);
+  }
+  return text;
+}
+
 std::string name(Value v, char prefix) { return fmt::format("{}{}", prefix, v); }
 std::string mask(char kind, Value v) { return fmt::format("{}{}", kind, v); }
 

@@ -26,6 +26,9 @@ std::string power_chain(const std::string& base, long n, const std::string& resu
 // "static inline F power_<n>(F a) { ... }"
 std::string power_function(long n);
 
+// For each polynomial, "static inline TAYLOR taylor_<index>(F c, F r) { ... }" (kernels/polynomial.cl).
+std::string taylor_functions(const Program& program, Precision precision);
+
 // The name of a value in generated code, "v12"; "q12" is its range where forms and ranges stand side by side.
 std::string name(Value v, char prefix = 'v');
 std::string mask(char kind, Value v);

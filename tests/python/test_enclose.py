@@ -14,6 +14,7 @@ OPERATORS = [
     "log(x)", "sinh(x)", "cosh(x)", "tanh(x)", "sin(x)", "cos(x)", "tan(x)", "asin(x)", "acos(x)", "atan(x)", "atan2(x, y)", "Abs(x)",
     "sign(x)", "floor(x)", "ceiling(x)", "Min(x, y)", "Max(x, y)", "Mod(x, y)", "Piecewise((x, x < y), (y^2, True))", "2.3*x + 0.1", "pi - x",
     "x*y*z - x*y + 3",
+    "x^7 - 3*x^5 + x/3 - 1", "128*x^8 - 256*x^6 + 160*x^4 - 32*x^2 + y^9 - y^4/7 + 0.1*y",
 ]  # fmt: skip
 
 

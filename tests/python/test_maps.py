@@ -64,12 +64,8 @@ def test_probes(name: str, data: Path) -> None:
     for i, probe in enumerate(probes):
         if probe["kind"] == "miss":
             assert hits.status[i] == Status.MISS, f"ray {i}: {hits.status[i]}"
-        elif probe["kind"] == "simple" and name not in PROBES_OPEN:
+        elif probe["kind"] == "simple":
             assert hits.hit[i], f"ray {i}: {Status(hits.status[i]).name}"
             assert abs(hits.t[i] - probe["t"]) <= EPS + 1e-6 * probe["t"], f"ray {i}"
         else:
             assert hits.status[i] != Status.MISS, f"ray {i}"
-
-
-# Expanded form of degree 30: even double precision leaves these rays open (never a miss).
-PROBES_OPEN = {"chmutov_30"}

@@ -29,6 +29,16 @@ TEST(Lower, KeepsEvenPowersAndFoldsConstants) {
   EXPECT_EQ(count(p, Code::Mul), 1);
 }
 
+TEST(Lower, MonomialsThatCancelBecomeOnePolynomial) {
+  const Program p = lower(parse("32*x^6 - 48*x^4 + 18*x^2 + y^7 - y^3 + y + x*y - 1"));
+  EXPECT_EQ(count(p, Code::Polynomial), 2);
+  ASSERT_EQ(p.polynomials.size(), 2u);
+  EXPECT_EQ(p.polynomials[0].size(), 4u);  // in x^2
+  EXPECT_EQ(p.polynomials[1].size(), 8u);
+  EXPECT_EQ(count(p, Code::Power), 0);
+  EXPECT_EQ(count(lower(parse("x^4 - 5*x^2 + x")), Code::Polynomial), 0);
+}
+
 TEST(Lower, ParametersAreSortedAndNotFolded) {
   const Program p = lower(parse("b*x + a*y"));
   EXPECT_EQ(p.parameters, (std::vector<std::string>{"a", "b"}));
