@@ -9,7 +9,7 @@
 // With IRT_OUTWARD f is evaluated at one place only, for lanes that march and lanes that prove alike: no lane waits for
 // another, and the driver compiles f once. Lanes that are done keep their position and step.
 #define MARGIN R(0.25)  // of a piece, beyond its end
-#define WIDENINGS 24    // each by a half, so that the bracket is hardly wider than it must be
+#define WIDENINGS 48    // each by a quarter, so that the bracket is hardly wider than it must be
 
 // The longest step whose piece is no wider than eps / share.
 static inline I stopping_step(const RAY* ray, const PATH* path, __global const real* q, real share) {
@@ -59,7 +59,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     active &= ~(proven | gives_up | (skips & GE(next, PATH_END)));
     wild = SELECT(candidate, unbounded(f), wild);
     tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.5) * margin, margin));
+    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.25) * margin, margin));
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
     above = SELECT(skips | starts, is_above, above);
     below = SELECT(skips | starts, is_below, below);
