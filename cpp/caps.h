@@ -26,6 +26,8 @@ inline constexpr std::size_t kOperations = 10'000;
 inline constexpr std::size_t kSourceBytes = 8u << 20;
 // Pixels of one frame (64 Mpx) and rays of one batch.
 inline constexpr std::uint64_t kPixels = 1ull << 26;
+// Degree up to which the reference makes polynomials along rays; above it works with ranges.
+inline constexpr int kRayDegree = 200;
 // Parameters of one formula.
 inline constexpr std::size_t kParameters = 256;
 

@@ -1,8 +1,74 @@
-// Bindings of cpp/numerics.
+// Bindings of cpp/numerics: the reference.
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+
 #include "bindings/bindings.h"
+#include "error.h"
+#include "numerics/reference.h"
+
+namespace py = pybind11;
 
 namespace irt::bindings {
+namespace {
 
-void bind_numerics(pybind11::module_&) {}
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+glm::dvec3 vector(const double* v) { return {v[0], v[1], v[2]}; }
+
+py::dict reference(const Expr& f, const py::dict& request) {
+  const auto origins = request["origins"].cast<Doubles>(), directions = request["directions"].cast<Doubles>();
+  const auto tmin = request["tmin"].cast<Doubles>(), tmax = request["tmax"].cast<Doubles>();
+  const auto count = static_cast<std::size_t>(tmin.size());
+  std::vector<numerics::Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) rays.push_back({vector(origins.data() + 3 * i), vector(directions.data() + 3 * i)});
+  numerics::Query query;
+  query.lower = vector(request["lower"].cast<std::array<double, 3>>().data());
+  query.upper = vector(request["upper"].cast<std::array<double, 3>>().data());
+  for (const auto& s : request["spheres"].cast<std::vector<std::array<double, 4>>>()) query.spheres.push_back({vector(s.data()), s[3]});
+  query.parameters = request["params"].cast<std::map<std::string, double>>();
+  using Clock = std::chrono::steady_clock;
+  const double seconds = request["time_limit"].is_none() ? 1e8 : std::min(request["time_limit"].cast<double>(), 1e8);
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  const py::object progress = request["progress"];
+  query.stop = [&](double done) {
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) return true;
+    if (!progress.is_none()) {
+      try {
+        progress(done);
+      } catch (py::error_already_set& error) {
+        error.restore();
+        return true;
+      }
+    }
+    return Clock::now() > deadline;
+  };
+  std::vector<numerics::Root> roots;
+  {
+    const py::gil_scoped_release release;
+    roots = numerics::reference(f, rays, tmin.data(), tmax.data(), query);
+  }
+  if (PyErr_Occurred()) throw py::error_already_set();
+  const auto n = static_cast<py::ssize_t>(count);
+  py::array_t<std::uint8_t> kind(n), arithmetic(n);
+  py::array_t<double> lo(n), hi(n);
+  for (py::ssize_t i = 0; i < n; ++i) {
+    const numerics::Root& r = roots[static_cast<std::size_t>(i)];
+    kind.mutable_at(i) = static_cast<std::uint8_t>(r.kind);
+    arithmetic.mutable_at(i) = static_cast<std::uint8_t>(r.arithmetic);
+    lo.mutable_at(i) = r.lo;
+    hi.mutable_at(i) = r.hi;
+  }
+  return py::dict(py::arg("kind") = kind, py::arg("arithmetic") = arithmetic, py::arg("lo") = lo, py::arg("hi") = hi);
+}
+
+}  // namespace
+
+void bind_numerics(py::module_& m) {
+  m.def("reference", &reference, py::arg("expr"), py::arg("request"), "The first zero on each ray, proven; see reference.py.");
+}
 
 }  // namespace irt::bindings

@@ -58,6 +58,7 @@ from implicitrt.expression import (
     z,
 )
 from implicitrt.frame import Frame, Hits, Stats, Status
+from implicitrt.reference import Reference, reference
 from implicitrt.render import (
     Bisection,
     Method,
@@ -79,8 +80,8 @@ _core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels
 __all__ = [
     "Abs", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Condition", "Device", "DeviceError", "E", "Eq",
     "Error", "Expr", "ExpressionError", "Frame", "Hits", "LimitError", "Max", "Method", "MethodError", "Min", "Mod",
-    "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Sphere", "Stats", "Status", "acos", "asin", "atan",
+    "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Reference", "Sphere", "Stats", "Status", "acos", "asin", "atan",
     "atan2", "cbrt", "ceiling", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
-    "kernel_source", "log", "methods", "parse", "pi", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",
+    "kernel_source", "log", "methods", "parse", "pi", "reference", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",
     "sympify", "tan", "tanh", "trace", "x", "y", "z",
 ]  # fmt: skip

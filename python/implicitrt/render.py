@@ -139,7 +139,7 @@ def _finite(value: Any, what: str) -> float:
     return number
 
 
-def _parameters(f: Any, expr: Expr, params: Mapping[str, float] | None) -> dict[str, float]:
+def request_parameters(f: Any, expr: Expr, params: Mapping[str, float] | None) -> dict[str, float]:
     if params is not None and not isinstance(params, Mapping):
         raise ArgumentError(f"params must be a mapping of names to numbers, not {params!r}")
     names = sorted({s.name for s in expr.free_symbols} - {"x", "y", "z"})
@@ -172,7 +172,7 @@ def _color(value: Any, what: str) -> tuple[float, float, float]:
     return (linear[0], linear[1], linear[2])
 
 
-def _size(size: Any) -> tuple[int, int]:
+def request_size(size: Any) -> tuple[int, int]:
     try:
         width, height = size
         pixels = (int(width), int(height))
@@ -190,7 +190,7 @@ def _size(size: Any) -> tuple[int, int]:
     return pixels
 
 
-def _bounds(f: Any, bounds: Any) -> Bounds:
+def request_region(f: Any, bounds: Any) -> Bounds:
     if bounds is None:
         return f.bounds if isinstance(f, NamedSurface) else Bounds.of(2)
     return Bounds.of(bounds)
@@ -210,7 +210,7 @@ def _common(
         "precision": _one_of(precision, "precision", ("auto", "single", "double")),
         "rounding": _one_of(rounding, "rounding", ("outward", "fast")),
         "eps": bounds.default_eps if eps is None else _positive(eps, "eps"),
-        "params": _parameters(f, expr, params),
+        "params": request_parameters(f, expr, params),
         "isovalue": None if isovalue is None else _finite(isovalue, "isovalue"),
         "lower": bounds.lower,
         "upper": bounds.upper,
@@ -300,13 +300,13 @@ def render(
     """
     started = time.perf_counter()
     expr = sympify(f)
-    region = _bounds(f, bounds)
+    region = request_region(f, bounds)
     if camera is None:
         camera = f.camera if isinstance(f, NamedSurface) and bounds is None else Camera.default(region)
     if not isinstance(camera, Camera):
         raise ArgumentError(f"camera must be an irt.Camera, not {camera!r}")
     camera = camera.framed(region)
-    width, height = _size(size)
+    width, height = request_size(size)
     unknown = set(outputs) - {"rgb", "normal"} if not isinstance(outputs, str) else {outputs}
     if unknown:
         raise ArgumentError(f'outputs is a collection of "rgb" and "normal", not {outputs!r}')
@@ -419,14 +419,7 @@ def trace(
     """
     started = time.perf_counter()
     expr = sympify(f)
-    origin_array = _vectors(origins, "origins")
-    if not np.isfinite(origin_array).all():
-        raise ArgumentError("origins must be finite")
-    o, d, near, far = _broadcast(origin_array, _directions(directions), _scalars(tmin, "tmin"), _scalars(tmax, "tmax"))
-    if bounds is None and not isinstance(f, NamedSurface):
-        region = _enclosing(o, d, near, far)
-    else:
-        region = _bounds(f, bounds)
+    o, d, near, far, region = ray_batch(f, origins, directions, tmin, tmax, bounds)
     request, reason = _common(
         f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, None
     )
@@ -440,6 +433,21 @@ def trace(
     parsed = time.perf_counter()
     result = _core.trace_rays(expr._node, request)
     return Hits(result, o, d, _stats(request, result, method, reason, started, parsed))
+
+
+def ray_batch(
+    f: Any, origins: Any, directions: Any, tmin: Any, tmax: Any, bounds: Any
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], Bounds]:
+    """Checked origins and directions (N, 3), tmin and tmax (N,), and the bounds of a batch of rays."""
+    origin_array = _vectors(origins, "origins")
+    if not np.isfinite(origin_array).all():
+        raise ArgumentError("origins must be finite")
+    o, d, near, far = _broadcast(origin_array, _directions(directions), _scalars(tmin, "tmin"), _scalars(tmax, "tmax"))
+    if bounds is None and not isinstance(f, NamedSurface):
+        region = _enclosing(o, d, near, far)
+    else:
+        region = request_region(f, bounds)
+    return o, d, near, far, region
 
 
 def _enclosing(
@@ -502,7 +510,7 @@ def _enclose_request(
         "algebra": _one_of(algebra, "algebra", ("ia", "raa")),
         "precision": _one_of(precision, "precision", ("single", "double")),
         "rounding": _one_of(rounding, "rounding", ("outward", "fast")),
-        "params": _parameters(f, expr, params),
+        "params": request_parameters(f, expr, params),
         "device": open_device(device),
     }
 
@@ -615,7 +623,7 @@ def kernel_source(
 ) -> str:  # fmt: skip
     """The OpenCL C that `render` would run, readable; parameters need no values for it."""
     expr = sympify(f)
-    region = _bounds(f, bounds)
+    region = request_region(f, bounds)
     names = {s.name for s in expr.free_symbols} - {"x", "y", "z"}
     values = {n: 1.0 for n in names} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
     request, _ = _common(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None)

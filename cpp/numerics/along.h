@@ -1,0 +1,68 @@
+// f and its derivative along a ray, enclosed over pieces of it: in doubles, or with MPFR at any precision.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "expr/expr.h"
+#include "numerics/interval.h"
+#include "numerics/mpfr_interval.h"
+
+namespace irt::numerics {
+
+// f and its gradient as one list of steps, arguments before their users; f's come first.
+class Formula {
+ public:
+  struct Step {
+    Expr e;
+    std::vector<std::uint32_t> args;
+    long exponent = 0;    // of an integer power
+    int axis = -1;        // 0, 1, 2 for x, y, z
+    bool constant = true; // free of x, y, z
+    Interval value;       // of a constant
+  };
+
+  // `parameters` has a value for each symbol besides x, y, z. Throws ExpressionError, ArgumentError, LimitError.
+  Formula(const Expr& f, const std::map<std::string, double>& parameters);
+
+  const std::vector<Step>& steps() const { return steps_; }
+  std::uint32_t f() const { return f_; }
+  const std::array<std::uint32_t, 3>& gradient() const { return gradient_; }
+  double parameter(const std::string& name) const { return parameters_.at(name); }
+  MpfrInterval constant(const Step& step, std::span<const MpfrInterval* const> args, mpfr_prec_t precision) const;
+
+ private:
+  std::vector<Step> steps_;
+  std::uint32_t f_ = 0;
+  std::array<std::uint32_t, 3> gradient_{};
+  std::map<std::string, double> parameters_;
+};
+
+struct Ray {
+  glm::dvec3 origin, direction;
+};
+
+// What is known of f on a piece of the ray.
+struct Look {
+  int sign = 0;         // of all values there, where they have one
+  bool empty = false;   // f is defined nowhere
+  bool doubtful = false; // not proven defined and continuous
+  int slope = 0;        // sign of the derivative along the ray, where it has one
+};
+
+class Along {
+ public:
+  virtual ~Along() = default;
+  virtual Look look(double a, double b) = 0;
+  virtual int sign(double t) = 0;  // of f at t; 0 where it is not proven defined, or not proven other than zero
+};
+
+// One for each thread; `ray` may change between calls.
+std::unique_ptr<Along> along_in_double(const Formula& formula, const Ray& ray);
+std::unique_ptr<Along> along_in_mpfr(const Formula& formula, const Ray& ray, mpfr_prec_t precision);
+
+}  // namespace irt::numerics

@@ -1,0 +1,234 @@
+// Polynomials go to ray_polynomial.cpp. Everything else is subdivided here, front to back: a piece is excluded by the
+// range of f, or f is shown monotone on it and its signs at the ends decide. Doubles first; from the piece that they
+// cannot decide on, MPFR.
+#include "numerics/reference.h"
+
+#include <mpfr.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "error.h"
+
+namespace irt::numerics {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+// Pieces that one ray may take in an arithmetic before it is undecided. Named surfaces take some hundreds.
+constexpr int kPiecesInDouble = 30'000, kPiecesInMpfr = 3'000;
+constexpr mpfr_prec_t kPrecisions[] = {160, 640};
+
+std::optional<Clip> clip_of(const Ray& ray, double tmin, double tmax, const Query& query) {
+  // Intervals around where the ray enters and leaves.
+  Interval enter(tmin), leave(tmax);
+  const auto cut = [&](const Interval& in, const Interval& out) {
+    enter = {std::max(enter.lo, in.lo), std::max(enter.hi, in.hi)};
+    leave = {std::min(leave.lo, out.lo), std::min(leave.hi, out.hi)};
+  };
+  const auto quotient = [](const Interval& a, double b) {
+    const double p = a.lo / b, q = a.hi / b;
+    return Interval(down(std::min(p, q)), up(std::max(p, q)));
+  };
+  for (int k = 0; k < 3; ++k) {
+    const double o = ray.origin[k], d = ray.direction[k];
+    if (d == 0) {
+      if (o < query.lower[k] || o > query.upper[k]) return std::nullopt;
+      continue;
+    }
+    const Interval low = quotient(Interval(query.lower[k]) - Interval(o), d), high = quotient(Interval(query.upper[k]) - Interval(o), d);
+    d > 0 ? cut(low, high) : cut(high, low);
+  }
+  for (const Sphere& s : query.spheres) {
+    Interval aa(0), ab(0), bb(0);
+    for (int k = 0; k < 3; ++k) {
+      const Interval d(ray.direction[k]), c = Interval(ray.origin[k]) - Interval(s.center[k]);
+      aa = aa + d * d;
+      ab = ab + d * c;
+      bb = bb + c * c;
+    }
+    // |c + t d| = r, about the nearest point: t = -ab / aa -+ sqrt(r^2 - |c - (ab / aa) d|^2) / sqrt(aa)
+    const Interval* one[] = {&aa};
+    const Interval inverse = apply(Op::Pow, -1, one), nearest = -(ab * inverse);
+    Interval distance(0);
+    for (int k = 0; k < 3; ++k) {
+      const Interval at = Interval(ray.origin[k]) - Interval(s.center[k]) + nearest * Interval(ray.direction[k]);
+      const Interval* args[] = {&at};
+      distance = distance + apply(Op::Pow, 2, args);
+    }
+    const Interval left = (Interval(s.radius) * Interval(s.radius) - distance) * inverse;
+    if (left.hi < 0) return std::nullopt;
+    const Interval reach(std::max(0.0, down(std::sqrt(std::max(0.0, left.lo)))), up(std::sqrt(left.hi)));
+    cut(nearest - reach, nearest + reach);
+  }
+  if (!(enter.lo <= leave.hi)) return std::nullopt;
+  if (!std::isfinite(enter.lo) || !std::isfinite(leave.hi)) throw ArgumentError("a ray is left infinite");
+  return Clip{enter.lo, enter.hi, leave.lo, leave.hi};
+}
+
+struct Piece {
+  double a, b;
+};
+
+class March {
+ public:
+  March(const Clip& clip, Arithmetic arithmetic) : clip_(clip), arithmetic_(arithmetic), span_(clip.leave_hi - clip.enter_lo) {}
+
+  // From the last of `stack` on; where undecided, `stack` still holds that piece and what follows.
+  Root run(std::vector<Piece>& stack, Along& along, int budget) {
+    while (!stack.empty()) {
+      const Piece p = stack.back();
+      const Look look = along.look(p.a, p.b);
+      if (look.empty || look.sign) {
+        stack.pop_back();
+        continue;
+      }
+      if (!look.doubtful && look.slope) {
+        const int left = along.sign(p.a), right = along.sign(p.b);
+        if (left * right > 0) {
+          stack.pop_back();
+          continue;
+        }
+        if (left * right < 0) return bracket(stack, p, left, along);
+      }
+      if (p.b - p.a <= 0.25 * wanted_width(p.a, span_)) return smallest(p, along);
+      if (--budget < 0) return {Kind::undecided, p.a, p.b, arithmetic_};
+      // Off the middle: the roots of symmetric scenes lie in the middle.
+      const double m = p.a + 0.48828125 * (p.b - p.a);
+      stack.back() = {m, p.b};
+      stack.push_back({p.a, m});
+    }
+    return {Kind::miss, 0, 0, arithmetic_};
+  }
+
+ private:
+  Root answer(double lo, double hi) const {
+    // Whether it lies inside is not known at the very ends of the clip.
+    const bool edge = lo < clip_.enter_hi || hi > clip_.leave_lo;
+    return {edge ? Kind::undecided : Kind::hit, lo, hi, arithmetic_};
+  }
+
+  // One root in p, opposite signs at its ends.
+  Root bracket(std::vector<Piece>& stack, Piece p, int left, Along& along) const {
+    while (p.b - p.a > wanted_width(p.a, span_)) {
+      const double m = 0.5 * (p.a + p.b);
+      if (m <= p.a || m >= p.b) break;
+      int s = along.sign(m);
+      if (s == 0) {
+        // The root is about there: a little to both sides.
+        const double w = 0.4 * wanted_width(m, span_), lo = std::max(p.a, m - w), hi = std::min(p.b, m + w);
+        if (along.sign(lo) == left && along.sign(hi) == -left) {
+          p = {lo, hi};
+          continue;
+        }
+        stack.back() = p;
+        return {Kind::undecided, p.a, p.b, arithmetic_};
+      }
+      (s == left ? p.a : p.b) = m;
+    }
+    return answer(p.a, p.b);
+  }
+
+  // A piece that cannot be divided further: the root may lie at an end of it, or be of odd multiplicity.
+  Root smallest(Piece p, Along& along) const {
+    const double length = p.b - p.a;
+    for (double w = 0.125 * length; p.b - p.a + 2 * w <= wanted_width(p.a, span_); w *= 1.5) {
+      const Piece q{p.a - w, p.b + w};
+      const Look look = along.look(q.a, q.b);
+      if (look.doubtful) break;
+      const int left = along.sign(q.a), right = along.sign(q.b);
+      if (left * right < 0) return answer(q.a, q.b);
+    }
+    return {Kind::undecided, p.a, p.b, arithmetic_};
+  }
+
+  const Clip& clip_;
+  Arithmetic arithmetic_;
+  double span_;
+};
+
+// What one thread needs for formulas that are no polynomials.
+class Subdivision {
+ public:
+  explicit Subdivision(const Formula& formula) : formula_(formula), in_double_(along_in_double(formula, ray_)) {}
+
+  Root first_root(const Ray& ray, const Clip& clip) {
+    ray_ = ray;
+    std::vector<Piece> stack{{clip.enter_lo, clip.leave_hi}};
+    Root root = March(clip, Arithmetic::dbl).run(stack, *in_double_, kPiecesInDouble);
+    for (std::size_t k = 0; k < std::size(kPrecisions) && root.kind == Kind::undecided; ++k) {
+      if (!in_mpfr_[k]) in_mpfr_[k] = along_in_mpfr(formula_, ray_, kPrecisions[k]);
+      root = March(clip, Arithmetic::mpfr).run(stack, *in_mpfr_[k], kPiecesInMpfr);
+    }
+    return root;
+  }
+
+ private:
+  const Formula& formula_;
+  Ray ray_{};
+  std::unique_ptr<Along> in_double_;
+  std::array<std::unique_ptr<Along>, std::size(kPrecisions)> in_mpfr_;
+};
+
+}  // namespace
+
+std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query) {
+  const Formula formula(f, query.parameters);
+  const std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
+  std::vector<Root> roots(rays.size());
+  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<bool> stopped{false};
+  std::mutex mutex;
+  std::condition_variable finished;
+  std::exception_ptr failure;
+  unsigned running = 0;
+
+  const auto work = [&] {
+    constexpr std::size_t kChunk = 16;
+    try {
+      Subdivision subdivision(formula);
+      for (std::size_t first; !stopped && (first = next.fetch_add(kChunk)) < rays.size();) {
+        const std::size_t last = std::min(first + kChunk, rays.size());
+        for (std::size_t i = first; i < last && !stopped; ++i) {
+          const auto clip = clip_of(rays[i], tmin[i], tmax[i], query);
+          if (!clip) {
+            roots[i] = {Kind::miss, 0, 0, Arithmetic::dbl};
+          } else {
+            roots[i] = {Kind::undecided, clip->enter_lo, clip->leave_hi, Arithmetic::none};
+            roots[i] = plan ? plan->first_root(rays[i], *clip) : subdivision.first_root(rays[i], *clip);
+          }
+          ++done;
+        }
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+      stopped = true;
+    }
+    mpfr_free_cache();
+    const std::lock_guard lock(mutex);
+    --running;
+    finished.notify_all();
+  };
+
+  std::vector<std::jthread> threads;
+  running = std::clamp<unsigned>(std::thread::hardware_concurrency(), 1, 64);
+  for (unsigned k = running; k > 0; --k) threads.emplace_back(work);
+  {
+    std::unique_lock lock(mutex);
+    while (!finished.wait_for(lock, std::chrono::milliseconds(30), [&] { return running == 0; })) {
+      lock.unlock();
+      if (!stopped && query.stop && query.stop(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(rays.size(), 1)))) stopped = true;
+      lock.lock();
+    }
+  }
+  threads.clear();
+  if (failure) std::rethrow_exception(failure);
+  return roots;
+}
+
+}  // namespace irt::numerics

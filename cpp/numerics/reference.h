@@ -1,0 +1,30 @@
+// The reference: the first zero of f on each ray, proven, whatever that takes.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "numerics/ray_polynomial.h"
+
+namespace irt::numerics {
+
+struct Sphere {
+  glm::dvec3 center;
+  double radius;
+};
+
+struct Query {
+  glm::dvec3 lower, upper;
+  std::vector<Sphere> spheres;
+  std::map<std::string, double> parameters;
+  // Asked on the calling thread, many times a second; true ends the work, and the rays left are undecided.
+  std::function<bool(double done)> stop;
+};
+
+// rays[i] for t in [tmin[i], tmax[i]] (exactly these doubles), clipped to the bounds. Uses all cores.
+std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query);
+
+}  // namespace irt::numerics
