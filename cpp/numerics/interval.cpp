@@ -13,8 +13,8 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // The C library's functions are good to 4 ulp (glibc manual, "Known Maximum Errors in Math Functions"); this allows 12.
-double below(double v) { return v - (std::fabs(v) * 0x1.8p-49 + 0x1p-1074); }
-double above(double v) { return v + (std::fabs(v) * 0x1.8p-49 + 0x1p-1074); }
+double below(double v) { return down(v, 0x1.8p-49); }
+double above(double v) { return up(v, 0x1.8p-49); }
 
 Interval entire() { return {-kInf, kInf}; }
 
@@ -67,6 +67,7 @@ Interval reciprocal(const Interval& a) {
 
 // base ** n for base >= 0 by squaring; each product rounded the same way.
 double power_below(double base, unsigned long n) {
+  if (n == 1 || base == 0) return base;
   double r = 1;
   for (double square = base; n; n >>= 1, square = std::max(0.0, down(square * square)))
     if (n & 1) r = std::max(0.0, down(r * square));
@@ -74,6 +75,7 @@ double power_below(double base, unsigned long n) {
 }
 
 double power_above(double base, unsigned long n) {
+  if (n == 1 || base == 0) return base;
   double r = 1;
   for (double square = base; n; n >>= 1, square = up(square * square))
     if (n & 1) r = up(r * square);

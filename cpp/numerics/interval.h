@@ -4,17 +4,23 @@
 // a mistake in one is not a mistake in the other. Domains follow IEEE 1788, as in mpfr_interval.h.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "expr/expr.h"
 
 namespace irt::numerics {
 
-// The next doubles outward, or a little further: v was rounded to nearest by one operation.
-inline double down(double v) { return v - (std::fabs(v) * 0x1.8p-52 + 0x1p-1074); }
-inline double up(double v) { return v + (std::fabs(v) * 0x1.8p-52 + 0x1p-1074); }
+// The next doubles outward, or a little further: v was rounded to nearest by one operation. Where that overflowed, the
+// largest double is the bound.
+inline double down(double v, double relative = 0x1.8p-52) {
+  const double finite = std::min(v, std::numeric_limits<double>::max());
+  return finite - (std::fabs(finite) * relative + 0x1p-1074);
+}
+inline double up(double v, double relative = 0x1.8p-52) { return -down(-v, relative); }
 
 struct Interval {
   double lo = 0, hi = 0;

@@ -154,8 +154,8 @@ struct Piece {
   double a, b;  // in u; dyadic and exact
 };
 
-// The first root of `b` inside (0, 1) that the arithmetic isolates. Its ends are proven to have opposite signs, or, in
-// exact arithmetic, it may be one point.
+// The first root of `b` inside (0, 1) that the arithmetic isolates, between ends of opposite signs. `point`: a piece as
+// small as they get, or an exact root.
 template <class T>
 struct Found {
   enum { none, isolated, point, open } what = none;
@@ -166,12 +166,14 @@ struct Found {
 
 constexpr int kDeepest = 50;  // halvings: to 1e-15 of the range
 
+// Looks only at pieces that meet `window`.
 template <class T>
-Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack) {
+Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack, Piece window) {
   Found<T> found;
   while (!stack.empty()) {
     auto [piece, b] = std::move(stack.back());
     stack.pop_back();
+    if (piece.b < window.a || piece.a > window.b) continue;
     if (kExact<T> && sign_of(b.front()) == 0) {
       found.what = Found<T>::point;
       found.piece = {piece.a, piece.a};
@@ -196,7 +198,8 @@ Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack) {
       return found;
     }
     if (piece.b - piece.a <= std::ldexp(1.0, -kDeepest)) {
-      found.what = Found<T>::open;
+      // Several roots closer together than doubles tell apart; an odd number of them is a change of sign all the same.
+      found.what = left * right < 0 ? Found<T>::point : Found<T>::open;
       found.piece = piece;
       found.rest = std::move(stack);
       return found;
@@ -338,8 +341,9 @@ Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic 
   const double span = range.t1 - range.t0;
   std::vector<std::pair<Piece, Coefficients<T>>> stack;
   stack.emplace_back(Piece{0, 1}, std::move(s));
+  const Piece window{(clip.enter_lo - range.t0) / span - 1e-9, (clip.leave_hi - range.t0) / span + 1e-9};
   for (;;) {
-    Found<T> found = next_root(std::move(stack));
+    Found<T> found = next_root(std::move(stack), window);
     if (found.what == Found<T>::none) return {Kind::miss, 0, 0, arithmetic};
     Piece p = found.piece;
     Root root{Kind::undecided, range.at(p.a, false), range.at(p.b, true), arithmetic};

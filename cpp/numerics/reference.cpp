@@ -114,16 +114,16 @@ class March {
 
   // One root in p, opposite signs at its ends.
   Root bracket(std::vector<Piece>& stack, Piece p, int left, Along& along) const {
-    while (p.b - p.a > wanted_width(p.a, span_)) {
+    while (p.b - p.a > 0.2 * wanted_width(p.a, span_)) {
       const double m = 0.5 * (p.a + p.b);
       if (m <= p.a || m >= p.b) break;
       int s = along.sign(m);
       if (s == 0) {
         // The root is about there: a little to both sides.
-        const double w = 0.4 * wanted_width(m, span_), lo = std::max(p.a, m - w), hi = std::min(p.b, m + w);
+        const double w = 0.1 * wanted_width(m, span_), lo = std::max(p.a, m - w), hi = std::min(p.b, m + w);
         if (along.sign(lo) == left && along.sign(hi) == -left) {
           p = {lo, hi};
-          continue;
+          break;
         }
         stack.back() = p;
         return {Kind::undecided, p.a, p.b, arithmetic_};

@@ -1,0 +1,105 @@
+"""irt.reference against certified depth maps and probes, and its arguments."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import implicitrt as irt
+from implicitrt import Status
+
+
+@pytest.mark.parametrize("name", list(irt.surfaces))
+def test_depth_map(name: str, data: Path) -> None:
+    depth = np.load(data / "reference_depth_32.npz")[name]
+    found = irt.reference(irt.surfaces[name], size=(32, 32))
+    assert (found.kind != Status.UNRESOLVED).all()
+    assert (found.hit == np.isfinite(depth)).all()
+    # The maps themselves are good to about 1e-12, relative.
+    assert np.allclose(found.depth, depth, rtol=2e-12, atol=1e-11)
+    assert (found.kind[found.hit] == (Status.TOUCH if name == "double_plane" else Status.HIT)).all()
+
+
+@pytest.mark.parametrize("name", list(irt.surfaces))
+def test_probes(name: str, data: Path) -> None:
+    probes = json.loads((data / "probes.json").read_text())[name]
+    found = irt.reference(irt.surfaces[name], [p["origin"] for p in probes], [p["direction"] for p in probes])
+    for i, probe in enumerate(probes):
+        if probe["kind"] == "miss":
+            assert found.kind[i] == Status.MISS
+        else:
+            assert found.hit[i] and abs(found.depth[i] - probe["t"]) <= 1e-11 * probe["t"]
+
+
+def test_both_forms_of_call() -> None:
+    camera = irt.Camera((0, 0, 5))
+    picture = irt.reference("x^2 + y^2 + z^2 - 1", 2, camera, (5, 4), eps=1e-3, method="raa")
+    assert picture.kind.shape == (4, 5) and picture.bracket.shape == (4, 5, 2)
+    o, d = camera.rays((5, 4))
+    batch = irt.reference("x^2 + y^2 + z^2 - 1", o.reshape(-1, 3), d.reshape(-1, 3), bounds=2)
+    assert (batch.depth == picture.depth.ravel()).all()
+    axis = irt.reference("x^2 + y^2 + z^2 - 1", (0, 0, 5), (0, 0, -2), bounds=2)
+    assert axis.depth[0] == pytest.approx(2, abs=1e-12) and axis.precision[0] == "double"
+    assert len(irt.reference("x", np.zeros((0, 3)), np.zeros((0, 3)), bounds=1).kind) == 0
+
+
+def test_parameters_and_isovalue() -> None:
+    found = irt.reference("a x^2 + y^2 + z^2", (0, 0, 5), (0, 0, -1), bounds=4, params={"a": 1}, isovalue=4)
+    assert found.depth[0] == pytest.approx(3, abs=1e-12)
+    with pytest.raises(irt.ArgumentError, match="'a'"):
+        irt.reference("a x^2 + y^2 + z^2", (0, 0, 5), (0, 0, -1), bounds=4)
+
+
+def test_clips_to_balls() -> None:
+    ball = irt.Sphere((0, 0, 0), 1)
+    assert irt.reference("z - 1/2", (0.1, 0.2, 5), (0, 0, -1), bounds=ball).depth[0] == pytest.approx(4.5, abs=1e-12)
+    assert irt.reference("z - 1/2", (0.9, 0.2, 5), (0, 0, -1), bounds=ball).kind[0] == Status.MISS
+    assert irt.reference("z - 1/2", (2, 0, 5), (0, 0, -1), bounds=ball).kind[0] == Status.MISS
+
+
+def test_the_limits_of_a_ray_count() -> None:
+    sphere = "x^2 + y^2 + z^2 - 1"
+    inside = irt.reference(sphere, (0, 0, 5), (0, 0, -1), tmin=4.5, bounds=2)
+    assert inside.depth[0] == pytest.approx(6, abs=1e-11)
+    assert irt.reference(sphere, (0, 0, 5), (0, 0, -1), tmax=3.9).kind[0] == Status.MISS
+
+
+def test_undecided_says_where() -> None:
+    found = irt.reference("sin(z)^2", (0.1, 0.1, -1), (0, 0, 1), bounds=2)
+    assert found.kind[0] == Status.UNRESOLVED and found.precision[0] == "mpfr"
+    assert found.bracket[0, 0] <= 1 <= found.bracket[0, 1] and np.ptp(found.bracket[0]) < 1e-11
+    assert found.depth[0] == found.bracket[0, 0] and math.isnan(found.uncertainty[0])
+    assert "1 UNRESOLVED" in repr(found)
+
+
+def test_time_limit_and_progress() -> None:
+    seen: list[float] = []
+    found = irt.reference(irt.surfaces["superquadric_200"], size=(64, 64), time_limit=0.2, progress=seen.append)
+    assert (found.precision == "none").any() and seen and found.seconds < 5
+    assert (found.kind[found.precision == "none"] == Status.UNRESOLVED).all()
+
+    def stop(fraction: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        irt.reference(irt.surfaces["superquadric_200"], size=(64, 64), progress=stop)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "keywords"),
+    [
+        (("x", (0, 0, 1)), {}),
+        (("x", (0, 0, 1), (0, 0, 0)), {"bounds": 1}),
+        (("x", (0, 0, 1), (0, 0, 1)), {}),
+        (("x",), {"origins": (0, 0, 1)}),
+        (("x",), {"nonsense": 1}),
+        (("x", 2, None, (4, 4), 5), {}),
+    ],
+)
+def test_bad_arguments(arguments: tuple[object, ...], keywords: dict[str, object]) -> None:
+    with pytest.raises(irt.ArgumentError):
+        irt.reference(*arguments, **keywords)
