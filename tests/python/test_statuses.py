@@ -1,0 +1,31 @@
+"""Statuses never lie: seeded formulas that use every operator, against the reference. benchmarks/statuses.py runs many more."""
+
+from __future__ import annotations
+
+import pytest
+from formulas import OPERATORS, check, formula
+
+# One formula for each operator, each third of them of another kind; the test below keeps them from saying nothing.
+SEEDS = [i + len(OPERATORS) * (i % 3) for i in range(len(OPERATORS))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_formulas(seed: int) -> None:
+    counts = check(formula(seed), 200, seed, ("ia", "raa"), (1e-2, 1e-5))
+    # Nothing is evaded where f is smooth and all of it is decided by the reference.
+    for (method, eps), c in counts.items():
+        if c["undecided"] == 0 and method == "ia":
+            assert c["hits"] >= 0.98 * c["simple"], f"{method}, eps {eps}: {c}"
+
+
+def test_half_of_the_formulas_have_hits() -> None:
+    import numpy as np
+
+    import implicitrt as irt
+
+    rng = np.random.default_rng(5)
+    o, hits = rng.normal(size=(60, 3)) * 2, 0
+    for seed in SEEDS:
+        found = irt.reference(formula(seed), o, rng.uniform(-1, 1, (60, 3)) - o, bounds=1.5)
+        hits += int(found.hit.sum() > 10)
+    assert hits >= len(SEEDS) / 2
