@@ -60,6 +60,9 @@ static inline IA ia_abs(IA a) {
   return ia(SELECT(through, (F)0, min(p, q)), max(p, q));
 }
 
+// Two ranges of the same values.
+static inline IA ia_meet(IA a, IA b) { return ia(max(a.lo, b.lo), min(a.hi, b.hi)); }
+
 static inline IA ia_min(IA a, IA b) { return ia(min(a.lo, b.lo), min(a.hi, b.hi)); }
 
 static inline IA ia_max(IA a, IA b) { return ia(max(a.lo, b.lo), max(a.hi, b.hi)); }

@@ -74,7 +74,9 @@ std::string prelude(const program::Program& program, const Spec& spec) {
 constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "interval_exponential.cl", "interval_power.cl",
                                        "interval_trigonometric.cl", "interval_step.cl", "interval_modulo.cl",
                                        "interval_choice.cl", "polynomial.cl", "affine.cl", "affine_power.cl",
-                                       "affine_polynomial.cl"};
+                                       "affine_polynomial.cl", "affine_smooth.cl", "affine_divide.cl", "affine_exponential.cl",
+                                       "affine_real_power.cl", "affine_trigonometric.cl", "affine_choice.cl", "affine_modulo.cl",
+                                       "affine_select.cl"};
 
 }  // namespace
 
@@ -82,6 +84,12 @@ const char* entry_name(Entry entry) { return entry == Entry::Enclose ? "enclose_
 
 std::string assemble(const program::Program& program, const Spec& spec) {
   program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision) : program::emit_interval(program, spec.precision);
+  // Files that others build on.
+  if (f.files.count("affine_trigonometric.cl")) f.files.insert({"affine_divide.cl", "interval_trigonometric.cl"});
+  if (f.files.count("affine_real_power.cl")) f.files.insert({"affine_exponential.cl", "interval_power.cl"});
+  if (f.files.count("affine_divide.cl")) f.files.insert("interval_divide.cl");
+  for (const char* name : {"affine_divide.cl", "affine_exponential.cl", "affine_real_power.cl", "affine_trigonometric.cl", "affine_choice.cl", "affine_modulo.cl", "affine_select.cl"})
+    if (f.files.count(name)) f.files.insert("affine_smooth.cl");
   if (f.files.count("interval_power.cl")) f.files.insert("interval_exponential.cl");
   if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
   std::string text = prelude(program, spec);

@@ -1,5 +1,5 @@
-// Affine emitter (S1 section 4.3): values are forms x + y e + z u over a piece of ray. Operators without an affine rule
-// work on ranges; a value is converted from form to range and back at most once, where it is first needed.
+// Affine emitter (S1 section 4.3): values are forms x + y e + z u over a piece of ray, and ranges where an operator needs
+// them or where the result is one (steps, constants). A value is converted from one to the other at most once.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,13 +15,14 @@ namespace {
 class AffineEmitter {
  public:
   AffineEmitter(const Program& program, Precision precision)
-      : program_(program), precision_(precision), has_form_(program.code.size()), has_range_(program.code.size()) {}
+      : program_(program), precision_(precision), has_form_(program.code.size()), has_range_(program.code.size()),
+        endless_(program.code.size()) {}
 
   Emitted run() {
     out_.files = {"interval.cl", "affine.cl"};
     for (Value v = 0; v < static_cast<Value>(program_.code.size()); ++v)
       if (!program_.is_constant(v) || v == program_.result) emit(v);
-    const bool ranged = only_range(program_.result);
+    const bool ranged = only_range(program_.result) || endless_[static_cast<std::size_t>(program_.result)];
     const std::string result = ranged ? range(program_.result) : form(program_.result);
     out_.range_result = ranged;
     std::string functions;
@@ -36,7 +37,7 @@ class AffineEmitter {
  private:
   const Program& program_;
   Precision precision_;
-  std::vector<char> has_form_, has_range_;
+  std::vector<char> has_form_, has_range_, endless_;
   std::set<long> powers_;
   std::string text_;
   Emitted out_;
@@ -78,14 +79,49 @@ class AffineEmitter {
     emit_inherited(program_, v, text_);
   }
 
+  // What has lost its upper or lower end in one of its operands; forms cannot hold half-infinite ranges, so its ranges go
+  // along with the forms.
+  bool endless(Value v) const {
+    if (v < 0) return false;
+    switch (program_[v].code) {
+      case Code::Recip:
+      case Code::Div:
+      case Code::Log:
+      case Code::Tan:
+      case Code::Pow: return true;
+      case Code::RealPower: return program_[v].value.lo < 0;
+      default: return false;
+    }
+  }
+
   void emit(Value v) {
     const Instruction& in = program_[v];
     const Operator& op = describe(in.code);
-    // What has forgotten where on the ray it is gains nothing from forms, which cannot hold half-infinite ranges either.
-    if ((op.affine || in.code == Code::Power) && in.a >= 0 && only_range(in.a) && only_range(in.b)) {
+    if (is_condition(in.code) || op.ranged || !(op.affine || in.code == Code::Power || in.code == Code::Polynomial || op.arity == 0))
+      return emit_ranged(v);
+    // What has forgotten where on the ray it is gains nothing from forms.
+    if (in.a >= 0 && only_range(in.a) && only_range(in.b)) {
+      out_.files.insert(op.interval_file);
       const std::string a = range(in.a), b = range(in.b);
       return define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
+    emit_form(v);
+    if (!in.partial || !(endless_[static_cast<std::size_t>(v)] = inherits(in)) || has_range_[static_cast<std::size_t>(v)]) return;
+    const std::string a = range(in.a), b = range(in.b);
+    text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), name(v), interval_rule(program_, v, a, b, precision_, powers_));
+    has_range_[static_cast<std::size_t>(v)] = 1;
+  }
+
+  bool inherits(const Instruction& in) const {
+    for (Value w : {in.a, in.b, in.c})
+      if (w >= 0 && endless_[static_cast<std::size_t>(w)]) return true;
+    return false;
+  }
+
+  // Operators whose affine rule needs no ranges.
+  void emit_form(Value v) {
+    const Instruction& in = program_[v];
+    const Operator& op = describe(in.code);
     switch (in.code) {
       case Code::Coordinate: return define(v, std::string(1, "xyz"[in.index]));
       case Code::Parameter: return define_range(v, fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1));
@@ -102,17 +138,40 @@ class AffineEmitter {
         return define(v, fmt::format("RA_POLYNOMIAL({}, taylor_{})", form(in.a), in.index));
       default: break;
     }
-    if (op.affine) {
-      const std::string a = form(in.a), b = op.arity == 2 ? ", " + form(in.b) : "";
-      return define(v, fmt::format("{}({}{})", op.affine, a, b));
-    }
+    out_.files.insert(op.affine_file);
+    const std::string a = form(in.a), b = op.arity == 2 ? ", " + form(in.b) : "";
+    define(v, fmt::format("{}({}{})", op.affine, a, b));
+  }
+
+  // The range of the result, and a form where there is a rule for it and an operand that has one.
+  void emit_ranged(Value v) {
+    const Instruction& in = program_[v];
+    const Operator& op = describe(in.code);
     out_.files.insert(op.interval_file);
     const std::string a = range(in.a), b = range(in.b), c = range(in.c);
     if (emit_masked(program_, v, a, b, c, precision_, 'q', text_)) {
       has_range_[static_cast<std::size_t>(v)] = 1;
-      return;
+    } else {
+      define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
-    define_range(v, fill(std::string(op.interval) + (op.arity == 2 ? "($a, $b)" : "($a)"), a, b, "", ""));
+    endless_[static_cast<std::size_t>(v)] = endless(v) || (in.partial && inherits(in));
+    const bool chooses = in.code == Code::Select;
+    if (!op.affine || (chooses ? only_range(in.b) && only_range(in.c) : only_range(in.a) && only_range(in.b))) return;
+    out_.files.insert(op.affine_file);
+    const std::string q = name(v, 'q');
+    std::string value;
+    if (chooses) {
+      value = fmt::format("ra_select({}, {}, {}, {})", a, form(in.b), form(in.c), q);
+    } else if (in.code == Code::RealPower) {
+      const auto e = outward(in.value, precision_);
+      value = fmt::format("ra_pow_constant({}, {}, {}, {}, {})", form(in.a), a, q, literal(e.lo), literal(e.hi));
+    } else if (op.arity == 2) {
+      value = fmt::format("{}({}, {}, {}, {}, {})", op.affine, form(in.a), form(in.b), a, b, q);
+    } else {
+      value = fmt::format("{}({}, {}, {})", op.affine, form(in.a), a, q);
+    }
+    text_ += fmt::format("  const RA {} = {};\n", name(v), value);
+    has_form_[static_cast<std::size_t>(v)] = 1;
   }
 
   std::string shift(Value a, const numerics::Bounds& exact) {

@@ -35,23 +35,24 @@ double magnitude(const Program& program, const double coordinates[3], const std:
       }
       case Code::Sqrt: r = 2 * std::sqrt(a) + 1; break;
       case Code::Cbrt: r = 2 * std::cbrt(a) + 1; break;
-      case Code::RealPower: r = in.value.lo > 0 ? 2 * std::pow(std::max(a, 1.0), in.value.hi) : kInfinity; break;
+      case Code::RealPower: r = in.value.lo > 0 ? 4 * std::pow(std::max(a, 1.0), in.value.hi) : kInfinity; break;
       case Code::Exp:
       case Code::Sinh:
-      case Code::Cosh: r = 2 * std::exp(a); break;
+      case Code::Cosh: r = 4 * std::exp(a); break;
+      case Code::Sign: r = 2; break;
+      // Lines reach beyond the range of the function, by less than that range.
       case Code::Tanh:
       case Code::Sin:
-      case Code::Cos:
-      case Code::Sign: r = 2; break;
+      case Code::Cos: r = 6; break;
       case Code::Atan:
       case Code::Atan2:
       case Code::Asin:
-      case Code::Acos: r = 8; break;
-      case Code::Abs: r = 2 * a; break;
+      case Code::Acos: r = 16; break;
+      case Code::Abs: r = 4 * a; break;
       case Code::Floor:
       case Code::Ceiling: r = 2 * a + 1; break;
       case Code::Min:
-      case Code::Max: r = 2 * std::max(a, b); break;
+      case Code::Max: r = 4 * std::max(a, b); break;
       case Code::Select: r = 2 * std::max(b, c); break;
       case Code::Undefined: r = 0; break;
       case Code::Recip:

@@ -16,7 +16,8 @@ struct Operator {
   const char* interval_file;
   const char* affine;    // helper of kernels/affine*.cl; nullptr: the interval helper on ranges
   const char* affine_file;
-  bool partial;          // the helpers report where the operator is undefined and where it may jump
+  bool partial;          // the interval helper reports where the operator is undefined and where it may jump
+  bool ranged = false;   // the affine helper takes ranges of the operands and of the result, too
 };
 
 const Operator& describe(Code code);

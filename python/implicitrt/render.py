@@ -70,25 +70,32 @@ def methods() -> Mapping[str, Method]:
 
 def _choose(expr: Expr) -> tuple[str, str]:
     """The algebra that auto takes for a formula, and why."""
-    steps = choice = powers = 0
+    jumps = choice = curved = powers = 0
     stack, seen = [expr._node], set()
     while stack:
         node = stack.pop()
         if node in seen:
             continue
         seen.add(node)
-        steps += 1
-        if node.op in ("Min", "Max", "Abs", "Piecewise", "Mod", "floor", "ceiling", "sign"):
-            choice += 1
+        jumps += node.op in ("Mod", "floor", "ceiling", "sign", "Piecewise")
+        choice += node.op in ("Min", "Max", "Abs")
+        curved += node.op in _CURVED or (node.op == "Mul" and sum(a.op != "Number" for a in node.args) > 1)
         if node.op == "Pow" and node.args[1].op == "Number":
             p, q = node.args[1].ratio()
             powers += q == 1 and p % 2 == 0 and p > 40
         stack.extend(node.args)
     if powers:
         return "ia", "it has even powers above 40, whose ranges interval arithmetic keeps tight"
-    if choice:
-        return "ia", "it has Min, Max, Abs or jumps, at which affine forms fall back to ranges anyway"
-    return "raa", "it is smooth, so affine forms keep the dependence along the ray"
+    if jumps:
+        return "ia", "it has jumps, at which affine forms fall back to ranges anyway"
+    if choice and not curved:
+        return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
+    return "raa", "it is curved, and affine forms keep the dependence along the ray"
+
+
+_CURVED = frozenset({
+    "Pow", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "cbrt",
+})  # fmt: skip
 
 
 def explain(f: ExprLike) -> str:

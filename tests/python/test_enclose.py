@@ -13,7 +13,8 @@ OPERATORS = [
     "x + y", "x - y", "x*y", "x/y", "x^2", "x^3", "x^7", "x^8", "x^-2", "sqrt(x)", "cbrt(x)", "x^(3/2)", "x^(-1/3)", "Abs(x)^y", "exp(x)",
     "log(x)", "sinh(x)", "cosh(x)", "tanh(x)", "sin(x)", "cos(x)", "tan(x)", "asin(x)", "acos(x)", "atan(x)", "atan2(x, y)", "Abs(x)",
     "sign(x)", "floor(x)", "ceiling(x)", "Min(x, y)", "Max(x, y)", "Mod(x, y)", "Piecewise((x, x < y), (y^2, True))", "2.3*x + 0.1", "pi - x",
-    "x*y*z - x*y + 3",
+    "x*y*z - x*y + 3", "Abs(x - y)", "atan2(x - y, x)", "Mod(x, y + 3)", "Max(x^2, y)", "Min(sin(x), cos(y))", "1/(x^2 + y^2)", "log(x^2 + 1/4)",
+    "tanh(3*x + y)", "cbrt(x*y)", "(x^2 + 1/10)^(y/2)", "x^(7/3)", "Piecewise((sin(x), y > 0), (x^3, z > 0), (exp(x), True))", "asin(sin(x)*0.9)", "acos(x/(1 + x^2))",
     "x^7 - 3*x^5 + x/3 - 1", "128*x^8 - 256*x^6 + 160*x^4 - 32*x^2 + y^9 - y^4/7 + 0.1*y",
 ]  # fmt: skip
 
@@ -139,3 +140,28 @@ def test_random_expressions(f: irt.Expr, seed: int) -> None:
         for algebra, box in boxes.items():
             bad = np.isfinite(value) & ~((box[:, 0] <= value + slack) & (value - slack <= box[:, 1]))
             assert not bad.any(), (str(f), algebra, p[bad][0], value[bad][0], box[bad][0])
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("formula", OPERATORS)
+def test_forms_contain_their_values_along_rays(formula: str, precision: str) -> None:
+    """Slopes matter here: pieces of rays of all lengths, from far below a rounding to far above any range."""
+    f = irt.parse(formula)
+    rng = np.random.default_rng(9)
+    n = 3000
+    scale = 10.0 ** np.where(rng.random((n, 1)) < 0.6, rng.uniform(-1, 0.7, (n, 1)), rng.uniform(-5, 3, (n, 1)))
+    o, d = rng.uniform(-1, 1, (n, 3)) * scale, rng.normal(size=(n, 3)) * scale
+    length = 10.0 ** rng.uniform(-8, 0.3, n) * (rng.random(n) > 0.05)
+    for algebra in ("raa", "ia"):
+        box = irt.enclose_rays(f, o, d, 0, length, algebra=algebra, precision=precision).astype(np.float64)
+        for k in range(12):
+            t = length * (k / 2 if k < 3 else rng.random(n))
+            p = o + t[:, None] * d
+            with np.errstate(all="ignore"):
+                value = f.evaluate(*p.T)
+                # What rounding the point can do to the value, by differences.
+                near = [f.evaluate(*(p * (1 + s)).T) for s in (3e-16, -3e-16)]
+                slack = 4e-15 * np.abs(value) + 1e-300 + 4 * sum(np.abs(v - value) for v in near)
+            known = np.isfinite(value) & np.isfinite(slack)
+            bad = known & ~((box[:, 0] <= value + slack) & (value - slack <= box[:, 1]))
+            assert not bad.any(), (formula, algebra, o[bad][0], d[bad][0], length[bad][0], value[bad][0], box[bad][0])
