@@ -11,6 +11,17 @@
 #define MARGIN R(0.25)  // of a piece, beyond its end
 #define WIDENINGS 48    // each by a quarter, so that the bracket is hardly wider than it must be
 
+// Pieces that each lane has looked at, where the call asks for them.
+#if IRT_PIECES
+#define COUNT_FROM_HERE I looked = NONE;
+#define COUNT(lanes) looked -= (lanes);
+#define REPORT_COUNT root.pieces = looked;
+#else
+#define COUNT_FROM_HERE
+#define COUNT(lanes)
+#define REPORT_COUNT
+#endif
+
 // The longest step whose piece is no wider than eps / share.
 static inline I stopping_step(const RAY* ray, const PATH* path, __global const real* q, real share) {
   const F wanted = (F)EPS / (NARROW(ray->length) * path->unit) * ((R(1.0) - R(8.0) * ULP) / share);
@@ -30,7 +41,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_PARTIAL
   I checking = NONE;  // the signs are proven, continuity is not yet
 #endif
+  COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
+    COUNT(active)
     const F from = TO_F(position), end = from + TO_F(step), behind = min(end + margin, path.in1);
 #if IRT_PARTIAL
     const F a = SELECT(proving & ~checking, behind, from);
@@ -70,7 +83,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   // Lanes that are still active have spent their budget.
   const F from = TO_F(position), end = from + TO_F(step);
   const I status = SELECT(hits, HIT, SELECT(open & ~wild, TOUCH, SELECT(open | active, UNRESOLVED, MISS)));
-  return report(&path, q, status, from, SELECT(hits, min(end + margin, path.in1), end));
+  ROOT root = report(&path, q, status, from, SELECT(hits, min(end + margin, path.in1), end));
+  REPORT_COUNT
+  return root;
 }
 #else
 // As the paper does: the first piece that is short enough ends the search. HIT where the computed signs at its ends differ.
@@ -79,7 +94,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const I stop = stopping_step(ray, &path, q, R(1.0));
   I active = LE(range->out0, range->out1), open = NONE;
   I position = NONE, step = PATH_END, undefined, rough;
+  COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
+    COUNT(active)
     const F from = TO_F(position);
     const FORM f = enclose(&path, from, from + TO_F(step) PARAMETERS_PASS, &undefined, &rough);
     const I skip = positive(f) | negative(f) | undefined, next = position + step, longest = next & -next;
@@ -98,6 +115,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const FORM at_end = enclose(&path, end, end PARAMETERS_PASS, &none, &none);
     opposite = (positive(at_from) & negative(at_end)) | (negative(at_from) & positive(at_end));
   }
-  return report(&path, q, SELECT(open, SELECT(opposite, HIT, TOUCH), SELECT(active, UNRESOLVED, MISS)), from, end);
+  ROOT root = report(&path, q, SELECT(open, SELECT(opposite, HIT, TOUCH), SELECT(active, UNRESOLVED, MISS)), from, end);
+  REPORT_COUNT
+  return root;
 }
 #endif

@@ -40,6 +40,9 @@ typedef struct {
   I status;
   FW at;
   F half_width;
+#if IRT_PIECES
+  I pieces;  // that were looked at
+#endif
 } ROOT;
 
 // The root of v > 0 to within one ulp, whatever the device's own does: one Newton step.

@@ -6,6 +6,9 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
 #if IRT_RGB
                     __global uint* rgba, const uint background,
 #endif
+#if IRT_PIECES
+                    __global uint* pieces,
+#endif
                     __global real* depth, __global real* uncertainty, __global uchar* status PARAMETERS, const int first_column, const int first_row) {
   const size_t column = first_column + get_global_id(0), row = first_row + get_global_id(1), at = row * pitch + column * W;
   const RAY ray = make_ray(RAY_PASS, q, column, row);
@@ -21,6 +24,9 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
 #endif
   STORE(SELECT(EQ(root.status, MISS), INF, t), depth + at);
   STORE_BYTES(root.status, status + at);
+#if IRT_PIECES
+  STORE_UINT(TO_UINT(root.pieces), pieces + at);
+#endif
 #if IRT_OUTWARD
   STORE(SELECT(EQ(root.status, HIT), bracket, (F)NAN), uncertainty + at);
 #else

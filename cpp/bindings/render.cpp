@@ -89,6 +89,7 @@ render::Options picture_options(const py::dict& request, const program::Program&
   const auto want = get<std::set<std::string>>(request, "want");
   o.normal = want.count("normal") > 0;
   o.rgb = want.count("rgb") > 0;
+  o.pieces = want.count("pieces") > 0;
   if (o.rgb) {
     o.color = get<std::array<double, 3>>(request, "color");
     o.back_color = get<std::array<double, 3>>(request, "back_color");
@@ -126,6 +127,7 @@ py::dict answer_dict(const render::Answer& a) {
   d["status"] = plane<std::uint8_t>(a, *a.status);
   if (a.normal) d["normal"] = view<float>(*a.normal, {rows, columns, 3}, {4 * pitch, 4, 4 * pitch * rows});
   if (a.rgba) d["rgba"] = view<std::uint8_t>(*a.rgba, {rows, columns, 4}, {4 * pitch, 4, 1});
+  if (a.pieces) d["pieces"] = plane<std::uint32_t>(a, *a.pieces);
   d["width"] = a.width;
   d["engine"] = "kernel";
   d["builds"] = a.builds;

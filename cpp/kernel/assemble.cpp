@@ -39,6 +39,7 @@ std::string prelude(const program::Program& program, const Spec& spec) {
     define("IRT_SPHERES", spec.spheres);
     define("IRT_NORMAL", spec.normal);
     define("IRT_RGB", spec.rgb);
+    define("IRT_PIECES", spec.pieces);
     define("IRT_SPLIT", spec.split);
   }
   text += fmt::format("typedef {} real;\ntypedef {}{} F;\ntypedef {}{} I;\ntypedef uint{} UINT;\n", real, real, w, integer, w, w);

@@ -21,6 +21,7 @@ struct Spec {
   int spheres = 0;       // balls among the bounds
   bool normal = false;
   bool rgb = false;
+  bool pieces = false;   // counted, ray by ray
 };
 
 // Where the files of kernels/ lie. Set once, before the first kernel.

@@ -53,7 +53,7 @@ struct Options {
   double eps = 1e-3;
   std::vector<double> parameters;  // one for each of Program::inputs()
   int max_pieces = 0;              // 0: the default
-  bool normal = true, rgb = true;
+  bool normal = true, rgb = true, pieces = false;
   std::array<double, 3> color{}, back_color{}, unresolved_color{};  // linear light
   std::array<double, 4> background{};                              // and alpha
   glm::dvec3 light{0};                                             // towards it; zero: none
@@ -80,7 +80,7 @@ class Memory {
 struct Answer {
   std::size_t columns = 0, rows = 1, pitch = 0;
   bool wide = false;
-  std::optional<Memory> depth, uncertainty, status, normal, rgba;  // normal: three planes of rows * pitch floats
+  std::optional<Memory> depth, uncertainty, status, normal, rgba, pieces;  // normal: three planes of rows * pitch floats
   std::size_t escalated = 0;
   std::array<std::size_t, 4> counts{};  // by status
   std::size_t wide_hits = 0;            // HITs wider than eps

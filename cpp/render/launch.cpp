@@ -50,6 +50,7 @@ void leave_open(Answer& a, std::size_t n, const Options& options) {
     std::fill_n(a.uncertainty->as<float>(), n, kNone);
   }
   if (a.normal) std::fill_n(a.normal->as<float>(), 3 * n, kNone);
+  if (a.pieces) std::memset(a.pieces->data(), 0, a.pieces->bytes());
   if (a.rgba) {
     const auto& c = options.unresolved_color;
     std::fill_n(a.rgba->as<std::uint32_t>(), n, pixel_of({c[0], c[1], c[2], 1}));
@@ -178,6 +179,7 @@ Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Pr
   a.status.emplace(n);
   if (options.normal) a.normal.emplace(3 * n * sizeof(float));
   if (options.rgb) a.rgba.emplace(n * 4);
+  if (options.pieces) a.pieces.emplace(n * 4);
   if (options.control.deadline != std::chrono::steady_clock::time_point::max()) leave_open(a, n, options);
   return a;
 }
@@ -187,6 +189,7 @@ kernel::Spec with_options(kernel::Spec spec, const Options& options) {
   spec.outward = options.outward;
   spec.normal = options.normal;
   spec.rgb = options.rgb;
+  spec.pieces = options.pieces;
   return spec;
 }
 
@@ -223,6 +226,7 @@ void launch(const program::Program& program, const kernel::Spec& spec, std::vect
     args.emplace_back(output(*answer.rgba));
     args.emplace_back(static_cast<std::int32_t>(pixel_of(options.background)));
   }
+  if (options.pieces) args.emplace_back(output(*answer.pieces));
   args.emplace_back(output(*answer.depth));
   args.emplace_back(output(*answer.uncertainty));
   args.emplace_back(output(*answer.status));
@@ -296,6 +300,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
     if (answer.normal)
       for (std::size_t axis = 0; axis < 3; ++axis)
         answer.normal->as<float>()[axis * n + i] = part.normal->as<float>()[axis * part_plane + k];
+    if (answer.pieces) answer.pieces->as<std::uint32_t>()[i] += part.pieces->as<std::uint32_t>()[k];
     if (answer.rgba) answer.rgba->as<std::uint32_t>()[i] = part.rgba->as<std::uint32_t>()[k];
   }
   answer.escalated += where.size();

@@ -99,6 +99,7 @@ class Frame:
         self.status: npt.NDArray[np.uint8] = result["status"]
         self._normal: npt.NDArray[np.float32] | None = result.get("normal")
         self._rgba: npt.NDArray[np.uint8] | None = result.get("rgba")
+        self._pieces: npt.NDArray[np.uint32] | None = result.get("pieces")
         self.camera = camera
         self.bounds = bounds
         self.params = dict(params)
@@ -113,6 +114,11 @@ class Frame:
     def normal(self) -> npt.NDArray[np.float32]:
         """(H, W, 3) float32, unit, towards the viewer."""
         return self._asked(self._normal, "normal")
+
+    @property
+    def pieces(self) -> npt.NDArray[np.uint32]:
+        """(H, W) uint32: how many pieces of its ray the root finder looked at; asked for with outputs."""
+        return self._asked(self._pieces, "pieces")
 
     @property
     def rgba(self) -> npt.NDArray[np.uint8]:

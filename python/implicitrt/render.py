@@ -290,7 +290,8 @@ def render(
         isovalue: draws f = isovalue; changing it compiles nothing.
         max_pieces: pieces that one ray may look at before it is UNRESOLVED.
         time_limit: seconds after which the rest of the frame is left UNRESOLVED.
-        outputs: of "rgb" and "normal" those that are wanted; kernels contain nothing else.
+        outputs: of "rgb", "normal" and "pieces" (how many pieces each ray took) those that are
+            wanted; kernels contain nothing else.
         color, back_color: of the sides where f > 0 and f < 0, as CSS name, "#rrggbb", or 0..1 sRGB.
         light: a direction towards the one light besides the headlight; None for none.
         background: a colour, or None for transparent.
@@ -314,9 +315,9 @@ def render(
         raise ArgumentError(f"camera must be an irt.Camera, not {camera!r}")
     camera = camera.framed(region)
     width, height = request_size(size)
-    unknown = set(outputs) - {"rgb", "normal"} if not isinstance(outputs, str) else {outputs}
+    unknown = set(outputs) - {"rgb", "normal", "pieces"} if not isinstance(outputs, str) else {outputs}
     if unknown:
-        raise ArgumentError(f'outputs is a collection of "rgb" and "normal", not {outputs!r}')
+        raise ArgumentError(f'outputs is a collection of "rgb", "normal" and "pieces", not {outputs!r}')
     request, reason = _common(
         f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, progress
     )
