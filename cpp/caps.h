@@ -18,6 +18,10 @@ inline constexpr std::size_t kIdentifierLength = 64;
 inline constexpr std::size_t kNumberBits = 1 << 16;
 // Terms that `expand` may produce.
 inline constexpr std::size_t kExpandTerms = 200'000;
+// Largest degree of a polynomial.
+inline constexpr long kDegree = 1'000'000'000;
+// Arguments, over all parts, that a derivative may have: those of deep chains grow with the square of the depth.
+inline constexpr std::size_t kDerivativeArguments = 1'000'000;
 // Largest |n| of an integer power that a kernel unrolls.
 inline constexpr long kExponent = 1'000'000;
 // Operations of one program: beyond this the OpenCL compilers need minutes.

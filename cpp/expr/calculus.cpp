@@ -212,13 +212,21 @@ Expr substitute(const Expr& e, const std::vector<std::pair<Expr, Expr>>& pairs) 
 
 Expr differentiate(const Expr& e, const std::string& symbol) {
   if (e.is_condition()) throw ExpressionError("a condition has no derivative");
+  count_nodes(e);
   Memo d;
-  for (const Expr& p : postorder(e))
-    if (!p.is_condition()) d.emplace(p.key(), derivative(p, symbol, d));
+  std::size_t arguments = 0;
+  for (const Expr& p : postorder(e)) {
+    if (p.is_condition()) continue;
+    const Expr& r = d.emplace(p.key(), derivative(p, symbol, d)).first->second;
+    arguments += r.arity();
+    if (arguments > limits::kDerivativeArguments)
+      throw LimitError(fmt::format("the derivative has more than {} arguments in all, the limit; the formula is too deep for it", limits::kDerivativeArguments));
+  }
   return d.at(e.key());
 }
 
 Expr simplify(const Expr& e) {
+  count_nodes(e);
   Expr current = e;
   // Each pass can open the way for another; few are ever needed.
   for (int pass = 0; pass < 8; ++pass) {

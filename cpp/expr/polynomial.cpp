@@ -76,6 +76,7 @@ class Freedom {
 }  // namespace
 
 Expr expand(const Expr& e) {
+  count_nodes(e);
   std::unordered_map<const Node*, Expr> memo;
   for (const Expr& p : postorder(e)) {
     std::vector<Expr> args;
@@ -178,6 +179,7 @@ std::optional<long> degree(const Expr& e) {
       r = *of(0) * *n;
     }
     if (freedom.visit(p) && !p.is_condition()) r = 0;
+    if (r && *r > limits::kDegree) throw LimitError(fmt::format("the polynomial's degree is above the limit of {}", limits::kDegree));
     memo.emplace(p.key(), r);
   }
   const auto bound = memo.at(e.key());

@@ -75,6 +75,7 @@ double apply(Op op, double a, double b) {
 }  // namespace
 
 Tape::Tape(const Expr& e) {
+  count_nodes(e);
   for (const std::string& s : free_symbols(e)) symbols_.push_back(s);
   std::unordered_map<const Node*, std::size_t> index;
   for (const Expr& p : postorder(e)) {

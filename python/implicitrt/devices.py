@@ -364,6 +364,16 @@ def open_device(choice: str | None = None) -> _core.Device:
         DeviceError: nothing matches or works; names what was tried and what to install.
     """
     wanted = choice if choice is not None else os.environ.get("IMPLICITRT_DEVICE", "")
+    try:
+        return _open(wanted)
+    except OSError as error:
+        raise DeviceError(
+            f"no driver can be tried or loaded: {error}. Drivers need a folder for temporary files that can be written: "
+            "free some space, or set TMPDIR"
+        ) from error
+
+
+def _open(wanted: str) -> _core.Device:
     name, width = _split_width(wanted)
     with _lock:
         known = _opened_for(wanted)
@@ -422,12 +432,42 @@ def _prepare_cache(device: Device) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(b"\0" * 65536)
+        _drop_broken_entries(folder)
     except OSError:
         import atexit
 
         temporary = tempfile.mkdtemp(prefix="implicitrt-pocl-")
         atexit.register(shutil.rmtree, temporary, True)
         os.environ["POCL_CACHE_DIR"] = temporary
+
+
+def _drop_broken_entries(folder: Path) -> None:
+    """Removes what a crash or a full disk left half-written in PoCL's cache: PoCL aborts the process where it reads such an
+    entry. Files that have not changed since the last look are not opened again."""
+    stamp = folder / ".implicitrt-checked"
+    since = stamp.stat().st_mtime if stamp.exists() else 0.0
+    for place, _, files in os.walk(folder):
+        for name in files:
+            file = os.path.join(place, name)
+            with contextlib.suppress(OSError):
+                if name.endswith((".bc", ".so")) and os.stat(file).st_mtime >= since and not _whole(file):
+                    entry = Path(file).relative_to(folder).parts[:2]  # <two letters>/<hash>/...
+                    shutil.rmtree(folder.joinpath(*entry), ignore_errors=True)
+    stamp.touch()
+
+
+def _whole(path: str) -> bool:
+    """Whether a file of LLVM bitcode or a shared object has a head that fits, and a length that fits its head."""
+    with open(path, "rb") as file:
+        head = file.read(64)
+        size = os.fstat(file.fileno()).st_size
+    if path.endswith(".bc"):
+        return head[:4] == b"BC\xc0\xde" and size % 4 == 0
+    if head[:5] != b"\x7fELF\x02" or len(head) < 64:
+        return False
+    # Where the table of sections lies, at the end, and how long it is.
+    start = int.from_bytes(head[40:48], "little")
+    return start + int.from_bytes(head[58:60], "little") * int.from_bytes(head[60:62], "little") <= size
 
 
 def describe() -> str:

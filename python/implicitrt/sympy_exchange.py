@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from implicitrt import _core
-from implicitrt.errors import ExpressionError
+from implicitrt.errors import ExpressionError, LimitError
 from implicitrt.expression import Condition, Expr, Rational, parse
 
 # SymPy's classes by the names of our operators; the others are handled one by one.
@@ -29,7 +29,10 @@ def to_sympy(tree: Expr | Condition) -> Any:
             stack.append((node, True))
             stack.extend((a, False) for a in node.args)
             continue
-        done[node] = _one_to_sympy(sympy, node, [done[a] for a in node.args])
+        try:
+            done[node] = _one_to_sympy(sympy, node, [done[a] for a in node.args])
+        except RecursionError:
+            raise LimitError("the formula is nested too deeply for SymPy, which walks trees by recursion") from None
     return done[tree._node]
 
 
