@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "pytho
 from formulas import check, formula
 
 WIDTHS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-METHODS = ("ia", "raa")
+METHODS = ("ia", "raa", "contract")
 
 
 def surface(name: str, size: int) -> list[object]:
@@ -63,7 +63,7 @@ def main() -> None:
     rows = [surface(name, options.size) for name in irt.surfaces]
     print(
         table(
-            ["surface", "simple roots", "undecided", "ia: HIT at 1e-4", "UNRESOLVED", "raa: HIT at 1e-4", "UNRESOLVED"],
+            ["surface", "simple roots", "undecided", "ia: HIT at 1e-4", "UNRESOLVED", "raa: HIT at 1e-4", "UNRESOLVED", "contract: HIT at 1e-4", "UNRESOLVED"],
             rows,
         ),
         flush=True,

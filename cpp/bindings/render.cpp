@@ -64,6 +64,7 @@ device::Control control_of(const py::dict& request) {
 render::Options options_of(const py::dict& request, const program::Program& program) {
   render::Options o;
   o.affine = get<std::string>(request, "algebra") == "raa";
+  o.contract = request.contains("finder") && get<std::string>(request, "finder") == "contract";
   o.outward = get<std::string>(request, "rounding") == "outward";
   const auto precision = get<std::string>(request, "precision");
   o.precision = precision == "single"   ? render::PrecisionMode::Single

@@ -110,7 +110,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include("path.cl");
     include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
     include("form.cl");
-    include("bisection.cl");
+    include(spec.contract ? "contract.cl" : "bisection.cl");
     if (spec.rgb) include("shade.cl");
     include("trace.cl");
   }

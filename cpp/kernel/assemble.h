@@ -13,6 +13,7 @@ enum class Entry { Camera, PixelList, RayList, Enclose };
 struct Spec {
   Entry entry = Entry::Camera;
   bool affine = false;
+  bool contract = false;  // kernels/contract.cl instead of kernels/bisection.cl
   program::Precision precision = program::Precision::Single;
   int width = 16;        // reals per packet
   bool outward = true;   // rounding="outward"

@@ -48,6 +48,7 @@ enum class PrecisionMode { Single, Double, Auto };
 
 struct Options {
   bool affine = true;
+  bool contract = false;  // contraction instead of bisection; affine
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;

@@ -50,6 +50,11 @@ class Bisection:
             raise ArgumentError(f'algebra must be "ia" or "raa", not {self.algebra!r}')
 
 
+@dataclass(frozen=True)
+class Contraction:
+    """The forward march with affine contraction; "contract" is its shorthand."""
+
+
 _METHODS = MappingProxyType({
     m.name: m
     for m in (
@@ -57,6 +62,8 @@ _METHODS = MappingProxyType({
                "S1 section 4.2: stackless bisection by interval arithmetic"),
         Method("raa", "every formula", "inclusion", ("eps", "max_pieces"),
                "S1 section 4.3: stackless bisection by reduced affine arithmetic"),
+        Method("contract", "every formula", "inclusion", ("eps", "max_pieces"),
+               "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"),
         Method("auto", "every formula", "inclusion", ("eps", "max_pieces"),
                "raa, or ia for high even powers and CSG; see explain"),
     )
@@ -105,8 +112,11 @@ def explain(f: ExprLike) -> str:
 
 
 def _resolve(method: Any, expr: Expr) -> tuple[str, str]:
+    """The name of the method that runs, and why."""
     if isinstance(method, Bisection):
         return method.algebra, "asked for"
+    if isinstance(method, Contraction):
+        return "contract", "asked for"
     if method not in _METHODS:
         import difflib
 
@@ -209,11 +219,13 @@ def _common(
     time_limit: float | None, progress: Callable[[float], None] | None,
 ) -> tuple[dict[str, Any], str]:  # fmt: skip
     """The part of a request that render and trace share, and why its method was chosen."""
-    algebra, reason = _resolve(method, expr)
+    name, reason = _resolve(method, expr)
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
     request = {
-        "algebra": algebra,
+        "method": name,
+        "finder": "contract" if name == "contract" else "bisection",
+        "algebra": "ia" if name == "ia" else "raa",
         "precision": _one_of(precision, "precision", ("auto", "single", "double")),
         "rounding": _one_of(rounding, "rounding", ("outward", "fast")),
         "eps": bounds.default_eps if eps is None else _positive(eps, "eps"),
@@ -238,7 +250,7 @@ def _stats(
     depth = result["depth"]
     double = depth.dtype == np.float64
     return Stats(
-        method=method if isinstance(method, str) and method != "auto" else request["algebra"],
+        method=request["method"],
         reason=reason, guarantee="inclusion", proven=proven, algebra=request["algebra"],
         device=device.name, driver=device.driver, engine=result["engine"],
         precision="double" if double and request["precision"] == "double" else

@@ -29,7 +29,7 @@ def _silhouette(misses: np.ndarray) -> np.ndarray:
     return near.any(0) & ~near.all(0)
 
 
-@pytest.mark.parametrize("method", ["ia", "raa"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
 @pytest.mark.parametrize("name", [n for n in irt.surfaces if n != "double_plane"])
 def test_depth_map(name: str, method: str, data: Path) -> None:
     reference = np.load(data / "reference_depth_32.npz")[name]
