@@ -37,8 +37,8 @@ def main() -> None:
     times: dict[tuple[str, str], list[float]] = {}
     for run in range(runs + 1):
         rows = yardstick(SIZE, width)
-        for method in ("raa", "ia"):
-            found = {"yardstick": rows[f"{method} barth_sextic"]}
+        for method in ("raa", "ia", "contract"):
+            found = {"yardstick": rows["ia barth_sextic" if method == "ia" else "raa barth_sextic"]}
             for rounding in ("fast", "outward"):
                 pairs = [frame(method, rounding, ()) for _ in range(3)]
                 found[f"kernel, {rounding}"] = statistics.median(k for k, _ in pairs)

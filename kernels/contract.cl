@@ -12,6 +12,7 @@
 // How far the rounding of a contracted end may be off, in units.
 #define SLACK R(0.75)
 #define FLOOR ((I)4)  // units: no contracted piece is much shorter, because its ends are rounded outward
+#define BLUNT ((I)64)  // units: below, what contraction cannot shorten only rounding keeps it from shortening
 
 // Pieces that each lane has looked at, where the call asks for them.
 #if IRT_PIECES
@@ -74,6 +75,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   I active = LE(range->out0, range->out1), hits = NONE, open = NONE;
   I position = NONE, step = NONE, tries = NONE, proving = ALL, clear = NONE;
   I above = NONE, below = NONE;  // the sign of f at `position`, where it is known
+  I bracketed = NONE;            // the signs at both ends of the piece are proven opposite
   I wild = NONE;                 // the enclosure of the candidate is infinite
   F margin = max(path.in0, (F)0), far = (F)0;
 #if IRT_PARTIAL
@@ -106,7 +108,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const I before = cuts & cut.before, known_above = SELECT(before, cut.above_before, above), known_below = SELECT(before, ~cut.above_before, below);
     const I crossing = cuts & cut.behind & ((known_above & ~cut.above_behind) | (known_below & cut.above_behind));
     const I lies_inside = GE(TO_F(cut.from), path.in0) & LE(TO_F(cut.end), path.in1);
-    const I found = crossing & lies_inside & LE(rest, max(widest, FLOOR));
+    const I shorter = cuts & LE(rest, step - max(step >> 2, (I)1)), pinned = cuts & (crossing | bracketed);
+    const I found = pinned & lies_inside & (LE(rest, max(widest, FLOOR)) | (~shorter & LE(rest, BLUNT)));
     const I deeper = left & ~found, candidate = deeper & LE(step, stop), moves = deeper & ~candidate;
     const I opposite = tried & ((above & is_below) | (below & is_above));
 #if IRT_PARTIAL
@@ -136,8 +139,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     below = SELECT(skips | starts, is_below, SELECT(found | moves, known_below, below));
     proving = SELECT(starts | halves, NONE, proving | candidate);
     // Pieces that contraction hardly shortens are halved; what is behind the half is then not clear.
-    const I shrinks = moves & cuts & LE(rest, step - max(step >> 2, (I)1)), halved = max(SELECT(moves & cuts, rest, step) >> 1, (I)1);
+    const I shrinks = moves & shorter, halved = max(SELECT(moves & cuts, rest, step) >> 1, (I)1);
     clear = SELECT(shrinks, max(clear, position + step), SELECT(moves | halves | skips, NONE, clear));
+    bracketed = shrinks & pinned;
     const I longer = min(max(step << 1, next - position), PATH_END - next);
     step = SELECT(skips, longer, SELECT(shrinks, rest, SELECT(moves | halves, halved, SELECT(starts, (I)FIRST_STEP, step))));
     position = SELECT(skips, next, SELECT(found | (moves & cuts), cut.from, position));

@@ -33,7 +33,7 @@ class Printer {
   }
 
  private:
-  static constexpr int kDepth = 2000;
+  static constexpr int kDepth = 1000;
   bool latex_;
   int depth_ = 0;
   std::size_t size_ = 0;

@@ -65,7 +65,7 @@ _METHODS = MappingProxyType({
         Method("contract", "every formula", "inclusion", ("eps", "max_pieces"),
                "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"),
         Method("auto", "every formula", "inclusion", ("eps", "max_pieces"),
-               "raa, or ia for high even powers and CSG; see explain"),
+               "contract, or ia for planes, jumps and high even powers; see explain"),
     )
 })  # fmt: skip
 
@@ -76,7 +76,7 @@ def methods() -> Mapping[str, Method]:
 
 
 def _choose(expr: Expr) -> tuple[str, str]:
-    """The algebra that auto takes for a formula, and why."""
+    """The method that auto takes for a formula, and why."""
     jumps = choice = curved = powers = 0
     stack, seen = [expr._node], set()
     while stack:
@@ -97,7 +97,7 @@ def _choose(expr: Expr) -> tuple[str, str]:
         return "ia", "it has jumps, at which affine forms fall back to ranges anyway"
     if choice and not curved:
         return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
-    return "raa", "it is curved, and affine forms keep the dependence along the ray"
+    return "contract", "it is curved, and affine forms tell along the ray where zeros may lie"
 
 
 _CURVED = frozenset({

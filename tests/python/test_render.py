@@ -23,7 +23,7 @@ def _sphere_depth(camera: irt.Camera, size: tuple[int, int]) -> np.ndarray:
     return np.where(root >= 0, -b - np.sqrt(np.maximum(root, 0)), np.inf)
 
 
-@pytest.mark.parametrize("method", ["ia", "raa"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
 @pytest.mark.parametrize("rounding", ["outward", "fast"])
 def test_sphere(device: str, method: str, rounding: str) -> None:
     camera = irt.Camera((2, 1.5, 3))
@@ -129,7 +129,7 @@ def test_budgets() -> None:
     spent = irt.render("sin(40*x)*sin(40*y)*sin(40*z) + 0.9999", size=(16, 16), method="ia", max_pieces=20)
     assert spent.stats.counts["UNRESOLVED"] > 0 and "UNRESOLVED" in repr(spent)
     late = irt.render(SPHERE, size=(64, 64), time_limit=1e-9)
-    assert late.stats.counts["UNRESOLVED"] == 64 * 64
+    assert late.stats.counts["UNRESOLVED"] >= 64 * 64 - 16  # one packet may run before the clock is looked at
 
 
 def test_trace_shapes() -> None:
