@@ -7,6 +7,7 @@ from pathlib import Path as _Path
 from implicitrt import _core
 from implicitrt.bounds import Sphere
 from implicitrt.camera import Camera
+from implicitrt.compare import Comparison, compare
 from implicitrt.devices import Device, devices
 from implicitrt.errors import (
     ArgumentError,
@@ -61,6 +62,7 @@ from implicitrt.frame import Frame, Hits, Stats, Status
 from implicitrt.reference import Reference, reference
 from implicitrt.render import (
     Bisection,
+    Contraction,
     Method,
     enclose,
     enclose_rays,
@@ -78,10 +80,10 @@ __version__ = "0.1.0"
 _core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels"))
 
 __all__ = [
-    "Abs", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Condition", "Device", "DeviceError", "E", "Eq",
+    "Abs", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Comparison", "Condition", "Contraction", "Device", "DeviceError", "E", "Eq",
     "Error", "Expr", "ExpressionError", "Frame", "Hits", "LimitError", "Max", "Method", "MethodError", "Min", "Mod",
     "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Reference", "Sphere", "Stats", "Status", "acos", "asin", "atan",
-    "atan2", "cbrt", "ceiling", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
+    "atan2", "cbrt", "ceiling", "compare", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
     "kernel_source", "log", "methods", "parse", "pi", "reference", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",
     "sympify", "tan", "tanh", "trace", "x", "y", "z",
 ]  # fmt: skip

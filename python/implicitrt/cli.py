@@ -1,4 +1,4 @@
-"""The command line: ``implicitrt render | info | list``."""
+"""The command line: ``implicitrt render | compare | info | list``."""
 
 from __future__ import annotations
 
@@ -76,6 +76,14 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument(
         "--param", type=_parameter, action="append", default=[], metavar="NAME=VALUE", help="a parameter's value"
     )
+    compare = commands.add_parser("compare", help="chart speed against accuracy, method by method")
+    compare.add_argument("what", metavar="NAME_OR_FORMULA", nargs="+", help="names (see list) or formulas")
+    compare.add_argument("-o", "--output", required=True, help="a .png or .svg chart, or a .csv or .md table")
+    compare.add_argument("--methods", type=lambda s: s.split(","), help="some of: " + ", ".join(irt.methods()))
+    compare.add_argument("--eps", type=_numbers, default=[1e-2, 1e-3, 1e-4], help="1e-2,1e-3,1e-4")
+    compare.add_argument("--size", type=_size, default=(256, 256), help="256x256")
+    compare.add_argument("--runs", type=int, default=5, help="timed frames for each point")
+    compare.add_argument("--device", help="part of a device's or driver's name (see info)")
     commands.add_parser("info", help="show every OpenCL driver found, and which is used")
     commands.add_parser("list", help="show the named surfaces")
     return parser
@@ -93,10 +101,10 @@ def _progress() -> Callable[[float], None]:
     return show
 
 
-def _check_output(path: Path) -> None:
+def _check_output(path: Path, kinds: tuple[str, ...]) -> None:
     """Bad output names are told before the work, not after it."""
-    if path.suffix.lower() not in (".png", ".npz"):
-        raise ArgumentError(f"the output is a .png or .npz, not '{path.name}'")
+    if path.suffix.lower() not in kinds:
+        raise ArgumentError(f"the output is a {', '.join(kinds[:-1])} or {kinds[-1]}, not '{path.name}'")
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass
@@ -106,7 +114,7 @@ def _check_output(path: Path) -> None:
 
 def _render(args: argparse.Namespace) -> None:
     output = Path(args.output)
-    _check_output(output)
+    _check_output(output, (".png", ".npz"))
     surface: Any = irt.surfaces[args.what] if args.what in irt.surfaces else args.what
     camera = None
     if args.camera:
@@ -127,6 +135,23 @@ def _render(args: argparse.Namespace) -> None:
     print("pixels: " + ", ".join(f"{n} {name}" for name, n in stats.counts.items()))
 
 
+def _compare(args: argparse.Namespace) -> int:
+    output = Path(args.output)
+    _check_output(output, (".png", ".svg", ".csv", ".md"))
+    found = irt.compare(
+        args.what, args.methods, args.eps, args.size, args.device, runs=args.runs,
+        progress=lambda line: print(line, file=sys.stderr, flush=True),
+    )  # fmt: skip
+    if output.suffix.lower() == ".csv":
+        found.to_csv(output)
+    elif output.suffix.lower() == ".md":
+        output.write_text(found.to_markdown() + "\n", encoding="utf-8")
+    elif found:
+        found.plot(output)
+    print(found)
+    return 0 if found.complete else 130
+
+
 def _list() -> None:
     for surface in irt.surfaces.values():
         degree = "-" if surface.degree is None else surface.degree
@@ -139,6 +164,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if args.command == "render":
             _render(args)
+        elif args.command == "compare":
+            return _compare(args)
         elif args.command == "info":
             from implicitrt.devices import describe
 

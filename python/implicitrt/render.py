@@ -23,7 +23,18 @@ from implicitrt.surfaces import NamedSurface
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-__all__ = ["Bisection", "Method", "enclose", "enclose_rays", "explain", "kernel_source", "methods", "render", "trace"]
+__all__ = [
+    "Bisection",
+    "Contraction",
+    "Method",
+    "enclose",
+    "enclose_rays",
+    "explain",
+    "kernel_source",
+    "methods",
+    "render",
+    "trace",
+]
 
 MAX_PIXELS = 1 << 26  # caps.h: kPixels
 

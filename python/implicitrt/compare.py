@@ -1,0 +1,289 @@
+"""Speed against accuracy: methods side by side on the same pictures, judged by `reference`."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from implicitrt.errors import ArgumentError, Error
+from implicitrt.expression import Expr, ExprLike, sympify
+from implicitrt.frame import Frame, Status
+from implicitrt.reference import Reference, reference
+from implicitrt.render import methods as known_methods
+from implicitrt.render import render
+from implicitrt.surfaces import NamedSurface, surfaces
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+__all__ = ["Comparison", "Point", "compare"]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One method on one formula at one eps."""
+
+    formula: str
+    method: str
+    eps: float
+    milliseconds: float  # of the kernels, median
+    of_limit: float  # the same, in times of what one look and one gradient a pixel take
+    largest_error: float  # of depth, over the pixels that both call hits
+    median_error: float
+    normal_error: float  # radians, median
+    wrong_misses: int  # MISS where the reference has a root
+    wrong_hits: int  # HIT where the reference proves that there is none
+    touching: int
+    unresolved: int
+    wide: int  # HITs whose bracket is wider than eps
+    ran: str  # the method and precision that ran
+
+
+class Comparison:
+    """A table of `Point`s: iterate over it, `to_csv`, `plot`; shows itself in Jupyter."""
+
+    def __init__(self, points: Sequence[Point], size: tuple[int, int], device: str, complete: bool = True) -> None:
+        self.points = tuple(points)
+        self.size = size
+        self.device = device
+        self.complete = complete  # False where it was interrupted
+
+    def __iter__(self) -> Any:
+        return iter(self.points)
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def _cells(self) -> tuple[list[str], list[list[str]]]:
+        head = [f.name for f in fields(Point)]
+        return head, [[_short(getattr(p, name)) for name in head] for p in self.points]
+
+    def to_csv(self, path: str | Path | None = None) -> str:
+        """The table as CSV, in full precision; written to `path` as well where one is given."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow([f.name for f in fields(Point)])
+        writer.writerows([[getattr(p, f.name) for f in fields(Point)] for p in self.points])
+        if path is not None:
+            Path(path).write_text(out.getvalue(), encoding="utf-8")
+        return out.getvalue()
+
+    def to_markdown(self) -> str:
+        """The table as Markdown."""
+        head, rows = self._cells()
+        lines = ["| " + " | ".join(r) + " |" for r in [head, *rows]]
+        return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+
+    def _repr_html_(self) -> str:
+        head, rows = self._cells()
+        cells = "".join("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in rows)
+        return "<table><tr>" + "".join(f"<th>{h}</th>" for h in head) + f"</tr>{cells}</table>"
+
+    def __repr__(self) -> str:
+        head, rows = self._cells()
+        widths = [max(len(r[k]) for r in [head, *rows]) for k in range(len(head))]
+        text = "\n".join("  ".join(c.rjust(w) for c, w in zip(r, widths, strict=True)) for r in [head, *rows])
+        return text + ("" if self.complete else "\n(interrupted)")
+
+    def pareto(self, formula: str) -> list[Point]:
+        """The points of a formula that no other one beats in time and in largest error, fastest first. What misses roots, or
+        sees some that are not there, is beaten by everything."""
+        points = [p for p in self.points if p.formula == formula and not p.wrong_misses and not p.wrong_hits]
+        front: list[Point] = []
+        for p in sorted(points, key=lambda p: (p.milliseconds, p.largest_error)):
+            if not front or p.largest_error < front[-1].largest_error:
+                front.append(p)
+        return front
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Largest error against time, a panel for each formula, a line for each method; rings mark the Pareto front.
+
+        Returns:
+            the Matplotlib figure, saved to `path` where one is given.
+        """
+        try:
+            from matplotlib.figure import Figure
+        except ImportError:
+            raise ArgumentError(
+                'plot needs Matplotlib: pip install "implicitrt[plot]"; to_csv and to_markdown need nothing'
+            ) from None
+        names = list(dict.fromkeys(p.formula for p in self.points))
+        if not names:
+            raise ArgumentError("there is nothing to plot: the comparison has no points")
+        columns = min(3, len(names))
+        rows = -(-len(names) // columns)
+        figure = Figure(figsize=(4.6 * columns, 3.6 * rows), layout="constrained")
+        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        kinds = list(dict.fromkeys(p.method for p in self.points))
+        for panel, name in zip(panels, names, strict=False):
+            for k, method in enumerate(kinds):
+                line = sorted((p for p in self.points if (p.formula, p.method) == (name, method)), key=lambda p: -p.eps)
+                if line:
+                    panel.plot([p.milliseconds for p in line], [max(p.largest_error, 1e-16) for p in line], marker="o",
+                               markersize=3.5, color=f"C{k}", label=method)  # fmt: skip
+                    wrong = [p for p in line if p.wrong_misses or p.wrong_hits]
+                    panel.plot(
+                        [p.milliseconds for p in wrong], [max(p.largest_error, 1e-16) for p in wrong], "x", color="red"
+                    )
+            front = self.pareto(name)
+            panel.plot([p.milliseconds for p in front], [max(p.largest_error, 1e-16) for p in front], "o", markersize=9,
+                       fillstyle="none", color="0.3")  # fmt: skip
+            panel.set(xscale="log", yscale="log", title=name[:40], xlabel="ms per frame", ylabel="largest depth error")
+            panel.grid(True, which="both", alpha=0.25)
+            panel.legend(fontsize="small")
+        for panel in panels[len(names) :]:
+            panel.set_visible(False)
+        figure.suptitle(
+            f"{self.size[0]} x {self.size[1]}, {self.device}; rings: Pareto front, red: wrong statuses",
+            fontsize="small",
+        )
+        if path is not None:
+            figure.savefig(path, dpi=130)
+        return figure
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    return str(value)
+
+
+def _named(f: ExprLike | NamedSurface) -> tuple[str, ExprLike | NamedSurface]:
+    """What to call a formula, and the formula; a known surface's name wins."""
+    if isinstance(f, NamedSurface):
+        return f.name, f
+    if isinstance(f, str) and f in surfaces:
+        return f, surfaces[f]
+    return str(f), f
+
+
+def _list(value: Any, kinds: tuple[type, ...]) -> list[Any]:
+    return [value] if isinstance(value, kinds) or not isinstance(value, Iterable) else list(value)
+
+
+def _true_normals(f: Any, truth: Reference, camera: Any, size: tuple[int, int]) -> npt.NDArray[np.float64]:
+    """Unit gradients at the reference's points, towards the viewer; nan where there is none."""
+    expr = f.expr if isinstance(f, NamedSurface) else sympify(f)
+    params = dict(f.params) if isinstance(f, NamedSurface) else {}
+    origins, directions = camera.rays(size)
+    with np.errstate(all="ignore"):
+        points = origins + np.where(truth.hit, truth.depth, np.nan)[..., None] * directions
+        parts = [_values(expr.diff(axis), points, params) for axis in "xyz"]
+        gradient = np.stack(parts, axis=-1)
+        gradient /= np.linalg.norm(gradient, axis=-1, keepdims=True)
+        towards = -np.sign((gradient * directions).sum(-1, keepdims=True))
+    return gradient * towards
+
+
+def _values(e: Expr, points: npt.NDArray[np.float64], params: dict[str, float]) -> npt.NDArray[np.float64]:
+    used = {k: v for k, v in params.items() if k in {s.name for s in e.free_symbols}}
+    return np.broadcast_to(e.evaluate(*np.moveaxis(points, -1, 0), **used), points.shape[:-1])
+
+
+def _judged(
+    name: str, method: str, eps: float, frames: list[Frame], limit: float, truth: Reference, normals: Any
+) -> Point:
+    frame = frames[-1]
+    both = truth.hit & frame.hit
+    with np.errstate(invalid="ignore"):
+        error = np.abs(frame.depth - truth.depth)[both]
+        cosine = np.clip((frame.normal * normals).sum(-1), -1, 1)[both]
+    angle = np.arccos(cosine[np.isfinite(cosine)])
+    milliseconds = 1e3 * statistics.median(f.stats.seconds["kernel"] for f in frames)
+    status = frame.status
+    return Point(
+        formula=name, method=method, eps=eps, milliseconds=milliseconds, of_limit=milliseconds / limit,
+        largest_error=float(error.max(initial=0)), median_error=float(np.median(error)) if error.size else 0.0,
+        normal_error=float(np.median(angle)) if angle.size else 0.0,
+        wrong_misses=int((truth.hit & (status == Status.MISS)).sum()),
+        wrong_hits=int(((truth.kind == Status.MISS) & (status == Status.HIT)).sum()),
+        touching=int((status == Status.TOUCH).sum()), unresolved=int((status == Status.UNRESOLVED).sum()),
+        wide=frame.stats.wide, ran=f"{frame.stats.method}, {frame.stats.precision}",
+    )  # fmt: skip
+
+
+def compare(
+    formulas: Any,
+    methods: Any = None,
+    eps: Any = (1e-2, 1e-3, 1e-4),
+    size: tuple[int, int] = (256, 256),
+    device: str | None = None,
+    *,
+    runs: int = 5,
+    precision: str = "auto",
+    rounding: str = "outward",
+    progress: Callable[[str], None] | None = None,
+) -> Comparison:
+    """Charts speed against accuracy: every method at every eps on every formula, judged by `reference`.
+
+    Args:
+        formulas: a formula or a list of them; a known surface's name wins over the formula of that name.
+        methods: names of `methods()`, default all of them.
+        eps: a number or several, in units of distance.
+        size: of the pictures, (width, height).
+        runs: timed frames, whose median counts; one more goes before them.
+        precision, rounding: as in `render`.
+        progress: called with a line for each point; default: a line on standard error where that is a terminal.
+
+    Returns:
+        a `Comparison`. Ctrl-C ends it and keeps what is done. Milliseconds are of the kernels; `of_limit` divides them by the
+        time, measured just before, of a frame that looks once at each ray and takes its gradient.
+
+    Raises:
+        ArgumentError, ExpressionError, DeviceError.
+    """
+    if runs < 1:
+        raise ArgumentError(f"runs must be at least 1, not {runs}")
+    if progress is None and sys.stderr.isatty():
+
+        def progress(line: str) -> None:
+            print(line, file=sys.stderr, flush=True)
+
+    chosen = list(known_methods()) if methods is None else _list(methods, (str,))
+    widths = [float(e) for e in _list(eps, (int, float))]
+    points: list[Point] = []
+    used = device or ""
+    try:
+        for f in _list(formulas, (str, Expr, NamedSurface)):
+            name, formula = _named(f)
+            keywords: dict[str, Any] = {"size": size, "device": device, "precision": precision, "outputs": ("normal",)}
+            # One look at each ray and a gradient: what no root finder can go below.
+            looks = [
+                render(formula, eps=1e6, method="raa", rounding="fast", **keywords | {"precision": "single"})
+                for _ in range(runs + 1)
+            ]
+            limit = 1e3 * statistics.median(g.stats.seconds["kernel"] for g in looks[1:])
+            used, camera = looks[0].stats.device, looks[0].camera
+            truth = reference(formula, size=size)
+            normals = _true_normals(formula, truth, camera, size)
+            for method in chosen:
+                for width in widths:
+                    started = time.perf_counter()
+                    try:
+                        frames = [
+                            render(formula, eps=width, method=method, rounding=rounding, **keywords)
+                            for _ in range(runs + 1)
+                        ]
+                    except Error as error:
+                        if type(error).__name__ != "MethodError":
+                            raise
+                        continue  # this method does not take this formula
+                    label = method if isinstance(method, str) else type(method).__name__
+                    points.append(_judged(name, label, width, frames[1:], limit, truth, normals))
+                    if progress:
+                        p = points[-1]
+                        progress(f"{name}  {label}  eps {width:g}: {p.milliseconds:.1f} ms, largest error {p.largest_error:.1e} "
+                                 f"({time.perf_counter() - started:.1f} s)")  # fmt: skip
+    except KeyboardInterrupt:
+        return Comparison(points, size, used, complete=False)
+    return Comparison(points, size, used)

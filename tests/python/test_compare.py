@@ -1,0 +1,83 @@
+"""The speed-accuracy chart: what it counts, its table, its picture, and the command."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+
+import implicitrt as irt
+from implicitrt.cli import main
+
+
+@pytest.fixture(scope="module")
+def chart() -> irt.Comparison:
+    return irt.compare(["sphere", "x^2 + y^2 - z^2 - 1/5"], ["ia", "raa", "contract"], [1e-2, 1e-4], (48, 40), runs=1)
+
+
+def test_points(chart: irt.Comparison) -> None:
+    assert len(chart) == 2 * 3 * 2 and chart.complete
+    for p in chart:
+        assert p.wrong_misses == p.wrong_hits == p.unresolved == 0
+        assert 0 < p.milliseconds and 0 < p.of_limit
+        assert p.median_error <= p.largest_error <= p.eps
+        assert p.normal_error < 0.02
+
+
+def test_table(chart: irt.Comparison, tmp_path: Path) -> None:
+    text = chart.to_csv(tmp_path / "chart.csv")
+    assert (tmp_path / "chart.csv").read_text() == text
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert len(rows) == 12 and rows[0]["formula"] == "sphere" and float(rows[0]["milliseconds"]) > 0
+    assert "<th>largest_error</th>" in chart._repr_html_() and "| sphere |" in chart.to_markdown()
+    assert "sphere" in repr(chart)
+
+
+def test_pareto_front(chart: irt.Comparison) -> None:
+    front = chart.pareto("sphere")
+    assert front and all(
+        a.milliseconds <= b.milliseconds and a.largest_error > b.largest_error
+        for a, b in zip(front, front[1:], strict=False)
+    )
+
+
+def test_plot(chart: irt.Comparison, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    figure = chart.plot(tmp_path / "chart.png")
+    assert (tmp_path / "chart.png").stat().st_size > 10_000
+    assert [a.get_title() for a in figure.axes if a.get_visible()] == ["sphere", "x**2 + y**2 - z**2 - 1/5"] or len(
+        figure.axes
+    ) == 2
+
+
+def test_interrupted_keeps_what_is_done() -> None:
+    done: list[str] = []
+
+    def stop(line: str) -> None:
+        done.append(line)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+
+    found = irt.compare("sphere", ["ia", "raa"], [1e-2, 1e-3], (16, 16), runs=1, progress=stop)
+    assert not found.complete and len(found) == 2 and "interrupted" in repr(found)
+
+
+def test_bad_arguments() -> None:
+    with pytest.raises(irt.ArgumentError, match="unknown method"):
+        irt.compare("sphere", ["rai"], size=(8, 8))
+    with pytest.raises(irt.ArgumentError, match="runs"):
+        irt.compare("sphere", runs=0)
+    with pytest.raises(irt.ExpressionError):
+        irt.compare("sphere + )", size=(8, 8))
+
+
+def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "chart.md"
+    assert (
+        main(["compare", "sphere", "-o", str(out), "--methods", "raa", "--eps", "1e-2", "--size", "16", "--runs", "1"])
+        == 0
+    )
+    assert "| sphere | raa |" in out.read_text() and "sphere" in capsys.readouterr().out
+    assert main(["compare", "sphere", "-o", str(tmp_path / "chart.txt")]) == 1
