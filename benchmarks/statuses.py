@@ -63,7 +63,17 @@ def main() -> None:
     rows = [surface(name, options.size) for name in irt.surfaces]
     print(
         table(
-            ["surface", "simple roots", "undecided", "ia: HIT at 1e-4", "UNRESOLVED", "raa: HIT at 1e-4", "UNRESOLVED", "contract: HIT at 1e-4", "UNRESOLVED"],
+            [
+                "surface",
+                "simple roots",
+                "undecided",
+                "ia: HIT at 1e-4",
+                "UNRESOLVED",
+                "raa: HIT at 1e-4",
+                "UNRESOLVED",
+                "contract: HIT at 1e-4",
+                "UNRESOLVED",
+            ],
             rows,
         ),
         flush=True,

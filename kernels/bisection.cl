@@ -35,7 +35,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   I active = LE(range->out0, range->out1), hits = NONE, open = NONE;
   // Every lane begins by proving a sign where the path begins, with a step of nothing.
   I position = NONE, step = NONE, tries = NONE, proving = ALL;
-  I above = NONE, below = NONE;  // the sign of f at `position`, where it is known
+  I above = NONE, below = NONE;  // the sign of f at `position`, or at in0 where that lies ahead, if it is known
   I wild = NONE;                 // the enclosure of the candidate is infinite
   F margin = max(path.in0, (F)0);
 #if IRT_PARTIAL
@@ -44,7 +44,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
-    const F from = TO_F(position), end = from + TO_F(step), behind = min(end + margin, path.in1);
+    const F from = TO_F(position), end = from + TO_F(step), behind = max(min(end + margin, path.in1), path.in0);
 #if IRT_PARTIAL
     const F a = SELECT(proving & ~checking, behind, from);
 #else
@@ -74,8 +74,10 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     tries = SELECT(candidate, NONE, tries - widens);
     margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.25) * margin, margin));
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
-    above = SELECT(skips | starts, is_above, above);
-    below = SELECT(skips | starts, is_below, below);
+    // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
+    const I counts = starts | (skips & GE(TO_F(next), path.in0));
+    above = SELECT(counts, is_above, above);
+    below = SELECT(counts, is_below, below);
     proving = SELECT(starts | halves, NONE, proving | candidate);
     step = SELECT(skips, min(longest, step << 1), SELECT((deeper & ~candidate) | halves, step >> 1, SELECT(starts, PATH_END, step)));
     position = SELECT(skips, next, position);

@@ -74,7 +74,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #endif
   I active = LE(range->out0, range->out1), hits = NONE, open = NONE;
   I position = NONE, step = NONE, tries = NONE, proving = ALL, clear = NONE;
-  I above = NONE, below = NONE;  // the sign of f at `position`, where it is known
+  I above = NONE, below = NONE;  // the sign of f at `position`, or at in0 where that lies ahead, if it is known
   I bracketed = NONE;            // the signs at both ends of the piece are proven opposite
   I wild = NONE;                 // the enclosure of the candidate is infinite
   F margin = max(path.in0, (F)0), far = (F)0;
@@ -84,7 +84,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
-    const F from = TO_F(position), end = from + TO_F(step), behind = min(end + margin, path.in1);
+    const F from = TO_F(position), end = from + TO_F(step), behind = max(min(end + margin, path.in1), path.in0);
 #if IRT_PARTIAL
     const F a = SELECT(proving & ~checking, behind, from);
 #else
@@ -135,8 +135,10 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     tries = SELECT(candidate, NONE, tries - widens);
     margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.25) * margin, margin));
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
-    above = SELECT(skips | starts, is_above, SELECT(found | moves, known_above, above));
-    below = SELECT(skips | starts, is_below, SELECT(found | moves, known_below, below));
+    // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
+    const I counts = starts | (skips & GE(TO_F(next), path.in0)), moved = (found | moves) & GE(TO_F(cut.from), path.in0);
+    above = SELECT(counts, is_above, SELECT(moved, known_above, above));
+    below = SELECT(counts, is_below, SELECT(moved, known_below, below));
     proving = SELECT(starts | halves, NONE, proving | candidate);
     // Pieces that contraction hardly shortens are halved; what is behind the half is then not clear.
     const I shrinks = moves & shorter, halved = max(SELECT(moves & cuts, rest, step) >> 1, (I)1);

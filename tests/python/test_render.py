@@ -95,6 +95,28 @@ def test_bounds_clip() -> None:
     assert both.hit.sum() < ball.hit.sum()
 
 
+@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_roots_at_the_bounds(method: str, precision: str) -> None:
+    """A root just outside the bounds is no hit, and one just inside no miss, however rounding falls."""
+    rng = np.random.default_rng(3)
+    n = 4000
+    off = rng.choice([-1, 1], n) * 10.0 ** rng.uniform(-17, -4, n)
+    place = np.stack([rng.uniform(-1, 1, n), 2 + off, rng.uniform(-1, 1, n)], -1)
+    direction = rng.normal(size=(n, 3))
+    distance = rng.uniform(0.1, 100, n)[:, None]
+    bounds = ((-3, 3), (-3, 2), (-3, 3))
+    for k in range(0, n, 500):  # planes through a place at the face, and rays that pass close by
+        o = place[k] - distance[k] * direction[k] + np.zeros((64, 1))
+        d = place[k] + rng.normal(size=(64, 3)) * 1e-7 - o
+        for f, at in (("x - p", place[k, 0]), ("y - p", place[k, 1])):
+            call = {"bounds": bounds, "params": {"p": float(at)}}
+            found = irt.trace(f, o, d, method=method, precision=precision, eps=1e-6, **call)
+            truth = irt.reference(f, o, d, **call)
+            assert not ((truth.kind == Status.MISS) & (found.status == Status.HIT)).any()
+            assert not (truth.hit & (found.status == Status.MISS)).any()
+
+
 def test_parameters_compile_nothing() -> None:
     first = irt.render("x^2 + y^2 + z^2 - a^2", params={"a": 0.5}, size=(32, 32), isovalue=0.0)
     second = irt.render("x^2 + y^2 + z^2 - a^2", params={"a": 1.25}, size=(32, 32), isovalue=0.1)
