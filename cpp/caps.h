@@ -32,6 +32,8 @@ inline constexpr std::size_t kSourceBytes = 8u << 20;
 inline constexpr std::uint64_t kPixels = 1ull << 26;
 // Degree up to which the reference makes polynomials along rays; above it works with ranges.
 inline constexpr int kRayDegree = 200;
+// Degree of the frustum form: (degree + 1)^3 coefficients a cell.
+inline constexpr int kFrustumDegree = 32;
 // Parameters of one formula.
 inline constexpr std::size_t kParameters = 256;
 

@@ -40,6 +40,9 @@ typedef struct {
   I status;
   FW at;
   F half_width;
+#if IRT_GRADIENT_FOUND  // by the root finder, along with the root
+  F gx, gy, gz;
+#endif
 #if IRT_PIECES
   I pieces;  // that were looked at
 #endif

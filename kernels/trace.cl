@@ -9,11 +9,11 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
 #if IRT_PIECES
                     __global uint* pieces,
 #endif
-                    __global real* depth, __global real* uncertainty, __global uchar* status PARAMETERS, const int first_column, const int first_row) {
+                    __global real* depth, __global real* uncertainty, __global uchar* status ARGUMENTS, const int first_column, const int first_row) {
   const size_t column = first_column + get_global_id(0), row = first_row + get_global_id(1), at = row * pitch + column * W;
   const RAY ray = make_ray(RAY_PASS, q, column, row);
   const RANGE range = clip_ray(&ray, q);
-  const ROOT root = find_root(&ray, &range, q, max_pieces PARAMETERS_PASS);
+  const ROOT root = find_root(&ray, &range, q, max_pieces FINDER_PASS);
   const I found = EQ(root.status, HIT) | EQ(root.status, TOUCH);
   const F s = NARROW(root.at), t = max(NARROW((ray.tau + root.at) * ray.length), (F)0), length = NARROW(ray.length);
   // Half the width of the bracket, and the rounding of t.
@@ -38,8 +38,12 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
   F nx = none, ny = none, nz = none;
   I front = ALL;
   if (ANY(found)) {
+#if IRT_GRADIENT_FOUND
+    const F gx = root.gx, gy = root.gy, gz = root.gz;
+#else
     F gx, gy, gz;
     irt_gradient(fma(s, ray.dx, ray.px), fma(s, ray.dy, ray.py), fma(s, ray.dz, ray.pz) PARAMETERS_PASS, &gx, &gy, &gz);
+#endif
     // Scaled first: squares of large or small gradients leave the range of reals.
     const F largest = max(max(fabs(gx), fabs(gy)), fabs(gz)), scale = R(1.0) / largest;
     const F x = gx * scale, y = gy * scale, z = gz * scale;

@@ -4,10 +4,13 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "bindings/bindings.h"
+#include "expr/build.h"
 #include "error.h"
 #include "kernel/assemble.h"
 #include "render/launch.h"
@@ -65,6 +68,10 @@ render::Options options_of(const py::dict& request, const program::Program& prog
   render::Options o;
   o.affine = get<std::string>(request, "algebra") == "raa";
   o.contract = request.contains("finder") && get<std::string>(request, "finder") == "contract";
+  if (const auto finder = request.contains("finder") ? get<std::string>(request, "finder") : ""; finder.starts_with("frustum-")) {
+    o.finder = finder.substr(8);
+    std::replace(o.finder.begin(), o.finder.end(), '-', '_');
+  }
   o.outward = get<std::string>(request, "rounding") == "outward";
   const auto precision = get<std::string>(request, "precision");
   o.precision = precision == "single"   ? render::PrecisionMode::Single
@@ -135,7 +142,7 @@ py::dict answer_dict(const render::Answer& a) {
   d["escalated"] = a.escalated;
   d["counts"] = a.counts;
   d["wide"] = a.wide_hits;
-  d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
+  d["seconds"] = py::dict(py::arg("prepare") = a.prepare_seconds, py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
   d["finished"] = a.outcome == device::Outcome::done;
   return d;
 }
@@ -143,6 +150,12 @@ py::dict answer_dict(const render::Answer& a) {
 void raise_if_interrupted(device::Outcome outcome) {
   if (PyErr_Occurred()) throw py::error_already_set();
   if (outcome == device::Outcome::cancelled) throw Error("the call was interrupted");
+}
+
+// f less the isovalue.
+Expr level_of(const Expr& f, const py::dict& request) {
+  const bool level = request.contains("isovalue") && !request["isovalue"].is_none();
+  return level ? add(f, from_double(-get<double>(request, "isovalue"))) : f;
 }
 
 py::dict render_frame(const Expr& f, const py::dict& request) {
@@ -160,11 +173,14 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   view.height = view.perspective ? 0 : camera["height"].cast<double>();
   view.columns = get<int>(request, "width");
   view.rows = get<int>(request, "height");
+  const Expr level = level_of(f, request);
+  const auto parameters = get<std::map<std::string, double>>(request, "params");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = render::render_frame(program, view, bounds, options, *device);
+    answer = options.finder.empty() ? render::render_frame(program, view, bounds, options, *device)
+                                    : render::render_frustum(level, parameters, view, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);

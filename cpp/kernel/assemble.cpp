@@ -22,18 +22,16 @@ bool identifier(const std::string& name) {
   });
 }
 
-std::string prelude(const program::Program& program, const Spec& spec) {
+// What packets, precision and outputs need.
+std::string prelude(const Spec& spec) {
   const bool wide = spec.precision == Precision::Double;
   const std::string real = wide ? "double" : "float", integer = wide ? "long" : "int";
   const std::string w = spec.width == 1 ? "" : std::to_string(spec.width);
-  const bool parameters = program.inputs() > 0;
   std::string text = fmt::format("#define W {}\n", spec.width);
   const auto define = [&](const char* name, int value) { text += fmt::format("#define {} {}\n", name, value); };
   define("IRT_DOUBLE", wide);
   define("IRT_OUTWARD", spec.outward);
   define("IRT_INFINITE", spec.infinite);
-  define("IRT_AFFINE", spec.affine);
-  define("IRT_PARTIAL", program[program.result].partial);
   if (spec.entry != Entry::Enclose) {
     define("IRT_LIST", spec.entry == Entry::PixelList);
     define("IRT_SPHERES", spec.spheres);
@@ -62,8 +60,16 @@ std::string prelude(const program::Program& program, const Spec& spec) {
                         "#define STORE_FLOAT(v, p) vstore{0}(convert_float{0}(v), 0, p)\n#define STORE_UINT(v, p) vstore{0}(v, 0, p)\n",
                         spec.width);
   }
-  text += parameters ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
-                     : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
+  return text;
+}
+
+// What the formula's parameters need.
+std::string parameters_of(const program::Program& program, const Spec& spec) {
+  std::string text = fmt::format("#define IRT_AFFINE {}\n#define IRT_PARTIAL {}\n#define IRT_GRADIENT_FOUND 0\n", spec.affine ? 1 : 0,
+                                 program[program.result].partial ? 1 : 0);
+  text += program.inputs() > 0 ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
+                               : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
+  text += "#define ARGUMENTS PARAMETERS\n#define FINDER_PASS PARAMETERS_PASS\n";
   for (std::size_t i = 0; i < program.parameters.size(); ++i)
     text += fmt::format("// p[{}], p[{}]: bounds of {}\n", 2 * i, 2 * i + 1,
                         identifier(program.parameters[i]) ? program.parameters[i] : "a parameter");
@@ -93,7 +99,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     if (f.files.count(name)) f.files.insert("affine_smooth.cl");
   if (f.files.count("interval_power.cl")) f.files.insert("interval_exponential.cl");
   if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
-  std::string text = prelude(program, spec);
+  std::string text = prelude(spec) + parameters_of(program, spec);
   const auto include = [&](const std::string& name) { text += fmt::format("\n// ---- {}\n", name) + library_file(name); };
   include("packet.cl");
   for (const char* name : kArithmetic)
@@ -118,6 +124,41 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     throw LimitError(fmt::format("the kernel's source has {} bytes; the limit is {}; shorten the formula", text.size(),
                                  limits::kSourceBytes));
   return text;
+}
+
+namespace {
+
+std::string joined(std::string text, std::initializer_list<const char*> files) {
+  for (const std::string name : files) text += fmt::format("\n// ---- {}\n", name) + library_file(name);
+  return text;
+}
+
+}  // namespace
+
+std::string assemble_frustum(const Spec& spec) {
+  const bool gradient = spec.normal || spec.rgb;
+  const std::string file = fmt::format("frustum_{}.cl", spec.finder);
+  std::string text = prelude(spec) +
+      fmt::format("#define IRT_DEGREE {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n", spec.degree, spec.tile, gradient ? 1 : 0) +
+      "#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, __global const real *basis, "
+      "const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows\n"
+      "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n"
+      "#define FINDER_PASS , column, row, tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n";
+  text = joined(text, {"packet.cl", "scene.cl", "ray_camera.cl", "clip.cl", "frustum_cells.cl"});
+  const bool knots = spec.finder.starts_with("mr");
+  text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
+  if (spec.rgb) text = joined(text, {"shade.cl"});
+  return joined(text, {"trace.cl"});
+}
+
+std::string assemble_given(const Spec& spec) {
+  std::string text = prelude(spec) +
+      fmt::format("#define IRT_GRADIENT_FOUND {}\n", spec.normal || spec.rgb ? 1 : 0) +
+      "#define ARGUMENTS , __global const real* given, const int stride\n#define FINDER , const size_t packet, __global const real* given, const int stride\n"
+      "#define FINDER_PASS , column, given, stride\n";
+  text = joined(text, {"packet.cl", "scene.cl", spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "given.cl"});
+  if (spec.rgb) text = joined(text, {"shade.cl"});
+  return joined(text, {"trace.cl"});
 }
 
 }  // namespace irt::kernel

@@ -23,6 +23,9 @@ struct Spec {
   bool normal = false;
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray
+  // Frustum forms (assemble_frustum): kernels/frustum_<finder>.cl, degree, and pixels along the side of a tile.
+  std::string finder;
+  int degree = 0, tile = 0;
 };
 
 // Where the files of kernels/ lie. Set once, before the first kernel.
@@ -30,6 +33,12 @@ void set_directory(const std::string& path);
 
 // The OpenCL C of a call. Throws LimitError past limits::kSourceBytes.
 std::string assemble(const program::Program& program, const Spec& spec);
+
+// The same for polynomials by their frustum form: it depends on the degree, never on the polynomial.
+std::string assemble_frustum(const Spec& spec);
+
+// A kernel that only shades what was found elsewhere (kernels/given.cl).
+std::string assemble_given(const Spec& spec);
 
 // The name of the entry point in it.
 const char* entry_name(Entry entry);

@@ -30,6 +30,20 @@ class Fixed {
   int sign() const { return cmp(abs(value_), error_) > 0 ? sgn(value_) : 0; }
   double middle() const { return std::ldexp(1.0, -512) * (mpz_class(value_ >> (kBits - 512)).get_d()); }
 
+  // The nearest T or its neighbour; T has at most 113 bits.
+  template <class T>
+  T as() const {
+    T sum = 0;
+    mpz_class rest = value_;
+    for (int k = 0; k < 3; ++k) {
+      const double d = rest.get_d();
+      if (!std::isfinite(d)) return static_cast<T>(d);
+      sum += static_cast<T>(d);
+      rest -= mpz_class(d);
+    }
+    return sum * static_cast<T>(0x1p-320) * static_cast<T>(0x1p-320);
+  }
+
   Fixed operator+(const Fixed& b) const { return Fixed(value_ + b.value_, up(error_ + b.error_)); }
   Fixed operator-(const Fixed& b) const { return Fixed(value_ - b.value_, up(error_ + b.error_)); }
   Fixed operator-() const { return Fixed(-value_, error_); }

@@ -39,6 +39,11 @@ class PolynomialPlan {
   // The first root in the clip, wherever the arithmetic can prove it. Past an undecided piece nothing is looked at.
   Root first_root(const Ray& ray, const Clip& clip) const;
 
+  const Formula& formula() const { return *formula_; }
+  int degree() const { return degree_.back(); }
+  int degree(std::size_t step) const { return degree_[step]; }
+  const Fixed& constant(std::size_t step) const { return in_fixed_[step]; }
+
  private:
   template <class T>
   std::vector<T> along(const Ray& ray, double t0, double t1, const std::vector<T>& constants) const;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,6 +50,7 @@ enum class PrecisionMode { Single, Double, Auto };
 struct Options {
   bool affine = true;
   bool contract = false;  // contraction instead of bisection; affine
+  std::string finder;     // kernels/frustum_<finder>.cl: the frustum form instead of a program; "" otherwise
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;
@@ -86,6 +88,7 @@ struct Answer {
   std::array<std::size_t, 4> counts{};  // by status
   std::size_t wide_hits = 0;            // HITs wider than eps
   std::uint64_t builds = 0;
+  double prepare_seconds = 0;  // coefficients, on the host
   double build_seconds = 0, launch_seconds = 0, kernel_seconds = 0;
   int width = 1;
   device::Outcome outcome = device::Outcome::done;
@@ -93,6 +96,10 @@ struct Answer {
 
 Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
                     device::Device& device);
+
+// By the frustum form. Throws MethodError where f is no polynomial, or one of too high a degree.
+Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
+                      const Options& options, device::Device& device);
 
 Answer trace_rays(const program::Program& program, const Rays& rays, const Bounds& bounds, const Options& options,
                   device::Device& device);

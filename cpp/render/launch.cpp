@@ -200,11 +200,20 @@ void prepare(const program::Program& program, const kernel::Spec& spec, device::
 
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,
             const Options& options, device::Device& device, Answer& answer) {
+  const Reals parameters = parameter_ends(program, options, spec.precision);
+  const auto buffer = parameters.buffer(device);
+  std::vector<device::Arg> more;
+  if (program.inputs()) more.emplace_back(buffer.get());
+  launch(kernel::assemble(program, spec), spec, std::move(args), settings, std::move(more), options, device, answer);
+}
+
+void launch(const std::string& source, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,
+            std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer) {
   if (spec.precision == program::Precision::Double && !device.info().fp64)
     throw DeviceError(fmt::format("{} has no double precision; use precision=\"single\" or another device", device.info().name));
   const auto start = std::chrono::steady_clock::now();
   const std::uint64_t builds = device.builds();
-  const auto kernel = device.kernel(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
+  const auto kernel = device.kernel(source, kernel::entry_name(spec.entry));
   answer.builds += device.builds() - builds;
   answer.build_seconds += seconds_since(start);
 
@@ -232,8 +241,7 @@ void launch(const program::Program& program, const kernel::Spec& spec, std::vect
   args.emplace_back(output(*answer.uncertainty));
   args.emplace_back(output(*answer.status));
   const std::size_t last_output = buffers.size();
-  const Reals parameters = parameter_ends(program, options, spec.precision);
-  if (program.inputs()) args.emplace_back(keep(parameters.buffer(device)));
+  args.insert(args.end(), more.begin(), more.end());
   device::Timing timing;
   answer.outcome = device.run(*kernel, args, answer.pitch / spec.width, answer.rows, options.control, &timing);
   answer.launch_seconds += timing.launch;
@@ -276,7 +284,8 @@ std::vector<std::size_t> undecided(const Answer& answer, const Options& options)
     for (std::size_t column = 0; column < answer.columns; ++column) {
       const std::size_t i = row * answer.pitch + column;
       const unsigned char status = answer.status->as<unsigned char>()[i];
-      if (status >= 2 || (status == 1 && options.outward && !(2 * answer.uncertainty->as<float>()[i] <= options.eps)))
+      const auto width = [&] { return 2 * (answer.wide ? answer.uncertainty->as<double>()[i] : answer.uncertainty->as<float>()[i]); };
+      if (status >= 2 || (status == 1 && options.outward && !(width() <= options.eps)))
         open.push_back(i);
     }
   return open;
@@ -301,7 +310,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
     if (answer.normal)
       for (std::size_t axis = 0; axis < 3; ++axis)
         answer.normal->as<float>()[axis * n + i] = part.normal->as<float>()[axis * part_plane + k];
-    if (answer.pieces) answer.pieces->as<std::uint32_t>()[i] += part.pieces->as<std::uint32_t>()[k];
+    if (answer.pieces && part.pieces) answer.pieces->as<std::uint32_t>()[i] += part.pieces->as<std::uint32_t>()[k];
     if (answer.rgba) answer.rgba->as<std::uint32_t>()[i] = part.rgba->as<std::uint32_t>()[k];
   }
   answer.escalated += where.size();

@@ -40,6 +40,10 @@ void prepare(const program::Program& program, const kernel::Spec& spec, device::
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,
             const Options& options, device::Device& device, Answer& answer);
 
+// The same for a kernel whose source does not come from a program; `more` are its arguments after the results.
+void launch(const std::string& source, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,
+            std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer);
+
 // Rows of `answer` that hold `columns` results each.
 Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options);
 

@@ -66,6 +66,16 @@ class Contraction:
     """The forward march with affine contraction; "contract" is its shorthand."""
 
 
+_FRUSTUM_FINDERS = {
+    "lr": "the frustum form; Bezier subdivision at the control polygon's first zero",
+    "lr-mult": "the same with an estimate of the root's multiplicity",
+    "mr": "the frustum form; knots inserted at the control polygon's first zero",
+    "mr-mult": "the same with an estimate of the root's multiplicity",
+    "clip": "the frustum form; Bezier clipping",
+    "midpoint": "the frustum form; subdivision at the middle",
+}
+
+
 _METHODS = MappingProxyType({
     m.name: m
     for m in (
@@ -75,6 +85,8 @@ _METHODS = MappingProxyType({
                "S1 section 4.3: stackless bisection by reduced affine arithmetic"),
         Method("contract", "every formula", "inclusion", ("eps", "max_pieces"),
                "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"),
+        *(Method(f"frustum-{finder}", "polynomials in x, y, z up to degree 32", "inclusion", ("eps", "max_pieces"), f"S2 section 4.2: {what}")
+          for finder, what in _FRUSTUM_FINDERS.items()),
         Method("auto", "every formula", "inclusion", ("eps", "max_pieces"),
                "contract, or ia for planes, jumps and high even powers; see explain"),
     )
@@ -235,7 +247,7 @@ def _common(
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
     request = {
         "method": name,
-        "finder": "contract" if name == "contract" else "bisection",
+        "finder": name if name == "contract" or name.startswith("frustum-") else "bisection",
         "algebra": "ia" if name == "ia" else "raa",
         "precision": _one_of(precision, "precision", ("auto", "single", "double")),
         "rounding": _one_of(rounding, "rounding", ("outward", "fast")),

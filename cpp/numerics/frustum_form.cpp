@@ -1,0 +1,363 @@
+// The frustum form and its cells; see frustum_form.h.
+#include "numerics/frustum_form.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "error.h"
+
+namespace irt::numerics {
+namespace {
+
+__extension__ typedef __float128 Quad;
+
+// Above this degree printed coefficients cancel too much for the 64 bits of a long double.
+constexpr int kQuadDegree = 12;
+
+// A tensor in the scaled Bernstein basis u^i (1 - u)^(n - i), of degree n along each axis, with the sum of the sizes of all that
+// went into each coefficient; `depth` bounds how many roundings each of these has seen.
+template <class T>
+struct Tensor {
+  int degree = 0, depth = 0;
+  std::vector<T> value{T(0)};
+  std::vector<double> size{0.0};
+
+  std::size_t side() const { return static_cast<std::size_t>(degree) + 1; }
+};
+
+template <class T>
+double magnitude(T v) {
+  return std::fabs(static_cast<double>(v));
+}
+
+template <class T>
+Tensor<T> product(const Tensor<T>& a, const Tensor<T>& b) {
+  Tensor<T> r;
+  r.degree = a.degree + b.degree;
+  r.depth = a.depth + b.depth + 1 + 3 * static_cast<int>(std::min(a.side(), b.side()));
+  const std::size_t n = r.side(), na = a.side(), nb = b.side();
+  r.value.assign(n * n * n, T(0));
+  r.size.assign(n * n * n, 0);
+  for (std::size_t i = 0; i < na; ++i)
+    for (std::size_t j = 0; j < na; ++j)
+      for (std::size_t k = 0; k < na; ++k) {
+        const T v = a.value[(i * na + j) * na + k];
+        const double s = a.size[(i * na + j) * na + k];
+        if (s == 0) continue;
+        for (std::size_t p = 0; p < nb; ++p)
+          for (std::size_t q = 0; q < nb; ++q) {
+            T* out = &r.value[((i + p) * n + j + q) * n + k];
+            double* sizes = &r.size[((i + p) * n + j + q) * n + k];
+            const T* with = &b.value[(p * nb + q) * nb];
+            const double* others = &b.size[(p * nb + q) * nb];
+            for (std::size_t m = 0; m < nb; ++m) {
+              out[m] += v * with[m];
+              sizes[m] += s * others[m];
+            }
+          }
+      }
+  return r;
+}
+
+// Times (u + (1 - u)) (v + (1 - v)) (w + (1 - w)), until the degree is n.
+template <class T>
+void raise(Tensor<T>& a, int degree) {
+  while (a.degree < degree) {
+    Tensor<T> r;
+    r.degree = a.degree + 1;
+    r.depth = a.depth + 7;
+    const std::size_t n = r.side(), m = a.side();
+    r.value.assign(n * n * n, T(0));
+    r.size.assign(n * n * n, 0);
+    for (std::size_t i = 0; i < m; ++i)
+      for (std::size_t j = 0; j < m; ++j)
+        for (std::size_t k = 0; k < m; ++k)
+          for (std::size_t corner = 0; corner < 8; ++corner) {
+            const std::size_t at = ((i + (corner & 1)) * n + j + ((corner >> 1) & 1)) * n + k + (corner >> 2);
+            r.value[at] += a.value[(i * m + j) * m + k];
+            r.size[at] += a.size[(i * m + j) * m + k];
+          }
+    a = std::move(r);
+  }
+}
+
+template <class T>
+Tensor<T> sum(Tensor<T> a, Tensor<T> b) {
+  raise(a, b.degree);
+  raise(b, a.degree);
+  for (std::size_t i = 0; i < a.value.size(); ++i) {
+    a.value[i] += b.value[i];
+    a.size[i] += b.size[i];
+  }
+  a.depth = std::max(a.depth, b.depth) + 1;
+  return a;
+}
+
+// The coordinate `axis` over the whole frustum: trilinear, so its corners say all.
+template <class T>
+Tensor<T> coordinate(const Frustum& f, int axis) {
+  Tensor<T> r;
+  r.degree = 1;
+  r.depth = 8;
+  r.value.resize(8);
+  r.size.resize(8);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      for (int k = 0; k < 2; ++k) {
+        const T s = k ? f.far : f.near, spread = f.perspective ? T(f.distance) + s : T(1);
+        const T sx = T(f.left) + T(i ? f.tile_x1 : f.tile_x0) * T(f.across), sy = T(f.top) + T(j ? f.tile_y1 : f.tile_y0) * T(f.down);
+        const T parts[] = {T(f.middle[axis]), sx * spread * T(f.right[axis]), sy * spread * T(f.up[axis]), s * T(f.forward[axis])};
+        const std::size_t at = (i * 2 + j) * 2 + k;
+        r.value[at] = parts[0] + parts[1] + parts[2] + parts[3];
+        // The terms' own parts may cancel as well.
+        const double wide = magnitude(T(f.distance)) + magnitude(s) + 1;
+        r.size[at] = magnitude(parts[0]) + magnitude(parts[3]) +
+                     wide * ((magnitude(T(f.left)) + magnitude(T(i ? f.tile_x1 : f.tile_x0) * T(f.across))) * std::fabs(f.right[axis]) +
+                             (magnitude(T(f.top)) + magnitude(T(j ? f.tile_y1 : f.tile_y0) * T(f.down))) * std::fabs(f.up[axis]));
+      }
+  return r;
+}
+
+// f over the whole frustum: Bernstein coefficients [i][j][k], and a bound of their error.
+template <class T>
+struct Whole {
+  std::vector<T> value;
+  double error;
+};
+
+template <class T>
+Whole<T> compose(const PolynomialPlan& plan, const Frustum& frustum, double unit) {
+  const Formula& formula = plan.formula();
+  const std::size_t count = formula.f() + 1;
+  std::vector<Tensor<T>> values(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Formula::Step& step = formula.steps()[i];
+    Tensor<T>& r = values[i];
+    if (step.constant) {
+      r.value[0] = plan.constant(i).template as<T>();
+      r.size[0] = magnitude(r.value[0]);
+      r.depth = 1;
+    } else if (step.axis >= 0) {
+      r = coordinate<T>(frustum, step.axis);
+    } else if (step.e.op() == Op::Pow) {
+      r = values[step.args[0]];
+      for (long k = 1; k < step.exponent; ++k) r = product(r, values[step.args[0]]);
+    } else {
+      r = values[step.args[0]];
+      for (std::size_t k = 1; k < step.args.size(); ++k)
+        r = step.e.op() == Op::Mul ? product(r, values[step.args[k]]) : sum(std::move(r), values[step.args[k]]);
+    }
+  }
+  Tensor<T>& f = values.back();
+  const std::size_t n = f.side();
+  std::vector<double> binomial(n, 1);
+  for (std::size_t i = 1; i < n; ++i) binomial[i] = binomial[i - 1] * static_cast<double>(n - i) / static_cast<double>(i);
+  Whole<T> whole{std::move(f.value), 0};
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t at = (i * n + j) * n + k;
+        const double all = binomial[i] * binomial[j] * binomial[k];
+        whole.value[at] = whole.value[at] / T(binomial[i]) / T(binomial[j]) / T(binomial[k]);
+        whole.error = std::max(whole.error, f.size[at] / all);
+      }
+  if (!std::isfinite(whole.error))
+    throw MethodError("the coefficients of the polynomial over the view leave the range of doubles; scale the formula, or use method=\"contract\"");
+  whole.error *= (f.depth + 8) * unit * 1.001;
+  return whole;
+}
+
+// Cuts [i][j][k] at `share` along an axis by de Casteljau: `a` becomes the first part, `b` the second.
+template <class T>
+void cut(std::vector<T>& a, std::vector<T>& b, std::size_t n, int axis, T share) {
+  b.resize(a.size());
+  const T rest = T(1) - share;
+  const auto step = [&](T* lines, T* ends, std::size_t stride, std::size_t width) {
+    // `lines`: n runs of `width` values, `stride` apart. Their last run after each round is a coefficient of the second part.
+    for (std::size_t round = 1; round < n; ++round) {
+      std::copy_n(lines + (n - 1) * stride, width, ends + (n - round) * stride);
+      for (std::size_t i = n - 1; i >= round; --i)
+        for (std::size_t m = 0; m < width; ++m) lines[i * stride + m] = rest * lines[(i - 1) * stride + m] + share * lines[i * stride + m];
+    }
+    std::copy_n(lines + (n - 1) * stride, width, ends);
+  };
+  if (axis == 0) {
+    step(a.data(), b.data(), n * n, n * n);
+  } else if (axis == 1) {
+    for (std::size_t i = 0; i < n; ++i) step(&a[i * n * n], &b[i * n * n], n, n);
+  } else {
+    for (std::size_t i = 0; i < n * n; ++i) step(&a[i * n], &b[i * n], 1, 1);
+  }
+}
+
+struct Block {
+  int x0, x1, y0, y1;     // tiles
+  int first, last;        // depth, in parts of 2^-kMostDepthCuts
+};
+
+template <class T>
+class Cutter {
+ public:
+  Cutter(const Frustum& frustum, int degree, double unit)
+      : frustum_(frustum), n_(static_cast<std::size_t>(degree) + 1), unit_(unit), grow_((4 * degree + 8) * unit), pool_(64) {}
+
+  struct Leaf {
+    int tile;
+    Cells::Cell cell;
+  };
+  std::vector<Leaf> leaves;
+  std::vector<double> coefficients;
+
+  // `form` over `block`; front to back within each tile.
+  void run(const Block& block, std::vector<T>& form, double error, int level) {
+    T lowest = form[0], highest = form[0];
+    for (const T& v : form) {
+      lowest = std::min(lowest, v);
+      highest = std::max(highest, v);
+    }
+    if (static_cast<double>(lowest) > error || static_cast<double>(highest) < -error || outside(block)) return;
+    const double largest = std::max(magnitude(lowest), magnitude(highest));
+    const int axis = longest(block, form, error);
+    if (axis < 0) return emit(block, form, error, largest);
+    std::vector<T>& second = pool_[level];
+    Block a = block, b = block;
+    T share = T(0.5);
+    if (axis == 2) {
+      a.last = b.first = (block.first + block.last) / 2;
+    } else {
+      int& middle = axis == 0 ? a.x1 : a.y1;
+      const int from = axis == 0 ? block.x0 : block.y0, to = axis == 0 ? block.x1 : block.y1;
+      middle = (from + to) / 2;
+      (axis == 0 ? b.x0 : b.y0) = middle;
+      share = T(middle - from) / T(to - from);
+    }
+    cut(form, second, n_, axis, share);
+    const double child = error + grow_ * largest;
+    // `form` serves the first part's own cuts; the second waits in the pool, where deeper levels do not reach.
+    run(a, form, child, level + 1);
+    run(b, second, child, level + 1);
+  }
+
+ private:
+  double at(int part) const {
+    const double share = part * std::ldexp(1.0, -kMostDepthCuts);
+    return frustum_.near + share * (frustum_.far - frustum_.near);
+  }
+
+  glm::dvec3 corner(int tile_x, int tile_y, double s) const {
+    const double spread = frustum_.perspective ? frustum_.distance + s : 1;
+    const double sx = static_cast<double>(frustum_.left + tile_x * frustum_.across), sy = static_cast<double>(frustum_.top + tile_y * frustum_.down);
+    return frustum_.middle + sx * spread * frustum_.right + sy * spread * frustum_.up + s * frustum_.forward;
+  }
+
+  bool outside(const Block& b) const {
+    glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+    for (int k = 0; k < 8; ++k) {
+      const glm::dvec3 c = corner(k & 1 ? b.x1 : b.x0, k & 2 ? b.y1 : b.y0, at(k & 4 ? b.last : b.first));
+      low = glm::min(low, c);
+      high = glm::max(high, c);
+    }
+    const double slack = 1e-12 * (glm::length(frustum_.upper - frustum_.lower) + glm::length(frustum_.middle) + std::fabs(frustum_.distance));
+    return glm::any(glm::greaterThan(low, frustum_.upper + slack)) || glm::any(glm::lessThan(high, frustum_.lower - slack));
+  }
+
+  // Where to cut: across what is longest. A tile along whose rays f only rises or only falls is done, however long.
+  int longest(const Block& b, const std::vector<T>& form, double error) const {
+    const double middle = at((b.first + b.last) / 2), spread = frustum_.perspective ? std::fabs(frustum_.distance + middle) : 1;
+    const double wide = b.x1 - b.x0 > 1 ? (b.x1 - b.x0) * std::fabs(static_cast<double>(frustum_.across)) * spread : 0,
+                 high = b.y1 - b.y0 > 1 ? (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread : 0;
+    double deep = b.last - b.first > 1 ? at(b.last) - at(b.first) : 0;
+    if (deep > 0 && deep >= std::max(wide, high) && b.x1 - b.x0 == 1 && b.y1 - b.y0 == 1 && monotone(form, error)) deep = 0;
+    if (wide == 0 && high == 0 && deep == 0) return -1;
+    return deep >= wide && deep >= high ? 2 : wide >= high ? 0 : 1;
+  }
+
+  bool monotone(const std::vector<T>& form, double error) const {
+    bool rises = true, falls = true;
+    for (std::size_t i = 0; i < form.size(); i += n_)
+      for (std::size_t k = i + 1; k < i + n_; ++k) {
+        const double step = static_cast<double>(form[k] - form[k - 1]);
+        rises = rises && step > -error;
+        falls = falls && step < error;
+      }
+    return rises || falls;
+  }
+
+  void emit(const Block& b, const std::vector<T>& form, double error, double largest) {
+    int exponent;
+    std::frexp(largest, &exponent);
+    const double scale = std::ldexp(1.0, 1 - exponent);
+    const double kept = (error + largest * 0x1p-53) * scale;
+    leaves.push_back({b.y0 * 65536 + b.x0, {at(b.first), at(b.last), kept, coefficients.size()}});
+    for (const T& v : form) coefficients.push_back(static_cast<double>(v * T(scale)));
+  }
+
+  const Frustum& frustum_;
+  std::size_t n_;
+  double unit_, grow_;
+  std::vector<std::vector<T>> pool_;
+};
+
+template <class T, class From>
+Cells cut_up(const Frustum& f, int degree, const Whole<From>& whole, double unit) {
+  std::vector<T> form(whole.value.begin(), whole.value.end());
+  double largest = 0;
+  for (const T& v : form) largest = std::max(largest, magnitude(v));
+  const double error = whole.error + largest * unit;
+  // Bands of tile rows, one thread each.
+  const int rows = f.tile_y1 - f.tile_y0;
+  const int bands = std::max(1, std::min(rows, static_cast<int>(std::thread::hardware_concurrency())));
+  std::vector<Cutter<T>> cutters;
+  for (int k = 0; k < bands; ++k) cutters.emplace_back(f, degree, unit);
+  const auto band = [&](int k) {
+    std::vector<T> mine = form, other;
+    const std::size_t n = static_cast<std::size_t>(degree) + 1;
+    const int from = k * rows / bands, to = (k + 1) * rows / bands;
+    if (to < rows) cut(mine, other, n, 1, T(to) / T(rows));
+    if (from > 0) {
+      cut(mine, other, n, 1, T(from) / T(to));
+      std::swap(mine, other);
+    }
+    cutters[k].run({f.tile_x0, f.tile_x1, f.tile_y0 + from, f.tile_y0 + to, 0, 1 << kMostDepthCuts}, mine,
+                   error + 2 * (4 * degree + 8) * unit * largest, 0);
+  };
+  std::vector<std::thread> threads;
+  for (int k = 1; k < bands; ++k) threads.emplace_back(band, k);
+  band(0);
+  for (std::thread& t : threads) t.join();
+
+  Cells out;
+  out.degree = degree;
+  const int columns = f.tile_x1 - f.tile_x0;
+  out.begins.assign(static_cast<std::size_t>(rows) * columns + 1, 0);
+  const auto index = [&](int tile) { return static_cast<std::size_t>(tile / 65536 - f.tile_y0) * columns + (tile % 65536 - f.tile_x0); };
+  std::size_t total = 0;
+  for (const auto& c : cutters) {
+    for (const auto& leaf : c.leaves) ++out.begins[index(leaf.tile) + 1];
+    total += c.leaves.size();
+  }
+  for (std::size_t i = 1; i < out.begins.size(); ++i) out.begins[i] += out.begins[i - 1];
+  std::vector<std::int32_t> next = out.begins;
+  out.cells.resize(total);
+  for (auto& c : cutters) {
+    const std::size_t base = out.coefficients.size();
+    for (const auto& leaf : c.leaves) {
+      Cells::Cell cell = leaf.cell;
+      cell.first += base;
+      out.cells[next[index(leaf.tile)]++] = cell;
+    }
+    out.coefficients.insert(out.coefficients.end(), c.coefficients.begin(), c.coefficients.end());
+  }
+  return out;
+}
+
+}  // namespace
+
+Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum) {
+  const int degree = plan.degree();
+  if (degree > kQuadDegree) return cut_up<long double>(frustum, degree, compose<Quad>(plan, frustum, 0x1p-112), 0x1p-63);
+  return cut_up<double>(frustum, degree, compose<long double>(plan, frustum, 0x1p-63), 0x1p-53);
+}
+
+}  // namespace irt::numerics

@@ -1,0 +1,48 @@
+// The frustum form (S2 section 3): a polynomial over a part of the view, in tensor Bernstein form, cut into cells.
+//
+// A cell is a tile of the screen and a slab of depth. Deviations from S2: the form is composed from the formula itself by
+// Bernstein arithmetic (products are convolutions), not interpolated, so that factors stay factors and nothing cancels that
+// need not; every coefficient carries a bound of its error; and it is cut by de Casteljau's algorithm into cells small
+// enough for single precision. Cells whose coefficients have one sign are proven free of zeros and dropped.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <vector>
+
+#include "numerics/ray_polynomial.h"
+
+namespace irt::numerics {
+
+// Positions middle + X right + Y up + s forward, X = sx spread, Y = sy spread, where spread is distance + s in perspective,
+// 1 otherwise. sx and sy are linear across the screen, in tiles: sx = left + tile * across, sy = top + tile * down.
+struct Frustum {
+  glm::dvec3 middle, right, up, forward;
+  bool perspective = true;
+  double distance = 0;
+  long double left = 0, across = 0, top = 0, down = 0;
+  int tile_x0 = 0, tile_x1 = 0, tile_y0 = 0, tile_y1 = 0;  // tiles that count
+  double near = 0, far = 0;                                // s
+  glm::dvec3 lower, upper;                                 // the box outside which nothing counts
+};
+
+// Cells in the order of their tiles, each tile's from front to back.
+struct Cells {
+  struct Cell {
+    double near, far;       // s
+    double error;           // bounds the error of each coefficient; the largest coefficient lies in [1, 2)
+    std::size_t first;      // of its coefficients
+  };
+  int degree = 0;
+  std::vector<std::int32_t> begins;  // of each tile in `cells`, row by row, and the end
+  std::vector<Cell> cells;
+  std::vector<double> coefficients;  // (degree + 1)^3 a cell, [i][j][k]: across, down, depth
+};
+
+constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
+
+// The cells of f over the frustum. Throws MethodError where the coefficients leave the range of doubles.
+Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum);
+
+}  // namespace irt::numerics

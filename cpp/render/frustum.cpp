@@ -1,0 +1,283 @@
+// render_frustum: polynomials by their frustum form (S2). Cells are made on the host in double, their coefficients are arguments of a
+// kernel that depends on the degree only; what single precision leaves open goes the reference's way.
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "caps.h"
+#include "error.h"
+#include "expr/build.h"
+#include "expr/calculus.h"
+#include "expr/tape.h"
+#include "numerics/frustum_form.h"
+#include "numerics/reference.h"
+#include "render/camera_terms.h"
+#include "render/launch.h"
+
+namespace irt::render {
+namespace {
+
+using program::Precision;
+
+constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
+
+struct Screen {
+  int tile;  // pixels along its side
+  numerics::Frustum frustum;
+};
+
+// Pixels along the side of a tile: a multiple of the widest packet. Large degrees make few cells, small pictures small ones.
+int tile_of(const View& view, int degree) {
+  const int size = std::max(view.columns, view.rows);
+  return degree > 10 ? (size > 512 ? 64 : 32) : size > 256 ? 32 : 16;
+}
+
+// A number at or above v with ten bits.
+double coarse(double v) {
+  int exponent;
+  std::frexp(v, &exponent);
+  const double unit = std::ldexp(1.0, exponent - 10);
+  return std::ceil(v / unit) * unit;
+}
+
+Screen screen_of(const View& view, const Bounds& bounds, int degree) {
+  Screen screen{tile_of(view, degree), {}};
+  numerics::Frustum& f = screen.frustum;
+  f.right = view.right;
+  f.up = view.up;
+  f.forward = view.forward;
+  f.perspective = view.perspective;
+  f.distance = glm::dot(bounds.center() - view.origin, view.forward);
+  f.middle = view.origin + f.distance * view.forward;
+  f.lower = bounds.lower;
+  f.upper = bounds.upper;
+  const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
+  f.left = -half * aspect;
+  f.across = 2 * half * aspect * screen.tile / view.columns;
+  f.top = half;
+  f.down = -2 * half * screen.tile / view.rows;
+  // Depth of the bounds, and the tiles that they may touch.
+  double near = HUGE_VAL, far = -HUGE_VAL;
+  double lowest[2] = {HUGE_VAL, HUGE_VAL}, highest[2] = {-HUGE_VAL, -HUGE_VAL};
+  for (int k = 0; k < 8; ++k) {
+    const glm::dvec3 corner(k & 1 ? bounds.upper.x : bounds.lower.x, k & 2 ? bounds.upper.y : bounds.lower.y, k & 4 ? bounds.upper.z : bounds.lower.z);
+    const glm::dvec3 p = corner - f.middle;
+    const double s = glm::dot(p, f.forward), spread = f.perspective ? f.distance + s : 1;
+    near = std::min(near, s);
+    far = std::max(far, s);
+    const double at[2] = {glm::dot(p, f.right), glm::dot(p, f.up)};
+    for (int a = 0; a < 2; ++a) {
+      const bool in_front = spread > 1e-9 * (std::fabs(f.distance) + std::fabs(s));
+      lowest[a] = std::min(lowest[a], in_front ? at[a] / spread : -HUGE_VAL);
+      highest[a] = std::max(highest[a], in_front ? at[a] / spread : HUGE_VAL);
+    }
+  }
+  near = std::max(near, -f.distance);
+  const double size = glm::length(bounds.upper - bounds.lower);
+  const double unit = coarse((std::max(far, near) - near + 1e-6 * size) / ((1 << numerics::kMostDepthCuts) - 2));
+  f.near = std::floor(near / unit) * unit;
+  f.far = f.near + (1 << numerics::kMostDepthCuts) * unit;
+  const auto tiles = [](double from, double to, long double start, long double step, int pixels, int tile) {
+    double a = static_cast<double>((from - start) / step), b = static_cast<double>((to - start) / step);
+    if (a > b) std::swap(a, b);
+    const double last = (pixels + tile - 1) / tile;
+    return std::pair<int, int>(static_cast<int>(std::clamp(std::floor(a - 1e-6), 0.0, last)), static_cast<int>(std::clamp(std::ceil(b + 1e-6), 0.0, last)));
+  };
+  std::tie(f.tile_x0, f.tile_x1) = tiles(lowest[0], highest[0], f.left, f.across, view.columns, screen.tile);
+  std::tie(f.tile_y0, f.tile_y1) = tiles(lowest[1], highest[1], f.top, f.down, view.rows, screen.tile);
+  return screen;
+}
+
+// Cells as buffers: slabs and forms. Lines across are padded to packets.
+struct Forms {
+  Memory tiles;
+  Reals slabs, form;
+};
+
+Forms forms_of(const numerics::Cells& cells, const kernel::Spec& spec) {
+  const std::size_t n = static_cast<std::size_t>(cells.degree) + 1, line = (n + spec.width - 1) / spec.width * spec.width;
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * cells.cells.size()),
+            Reals(spec.precision, n * n * line * cells.cells.size())};
+  std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
+  // Rounding of the coefficients, of both bases and of both contractions (kernels/frustum_cells.cl): half an ulp each.
+  const double rounding = (2.0 * static_cast<double>(n) + 8) * (spec.precision == Precision::Double ? 0x1p-52 : 0x1p-23);
+  std::size_t at = 0;
+  for (std::size_t m = 0; m < cells.cells.size(); ++m) {
+    const auto& cell = cells.cells[m];
+    out.slabs.set(4 * m, cell.near);
+    out.slabs.set(4 * m + 1, cell.far - cell.near);
+    out.slabs.set_above(4 * m + 2, cell.error + rounding);
+    const double* c = &cells.coefficients[cell.first];
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t j = 0; j < n; ++j, at += line)
+        for (std::size_t i = 0; i < line; ++i) out.form.set(at + i, i < n ? c[(i * n + j) * n + k] : 0);
+  }
+  return out;
+}
+
+// B_i and its derivative at the centres of a tile's pixels.
+Reals basis_of(const Screen& screen, int degree, Precision precision) {
+  const std::size_t n = static_cast<std::size_t>(degree) + 1, tile = screen.tile;
+  Reals basis(precision, kView + 2 * n * tile);
+  const numerics::Frustum& f = screen.frustum;
+  for (int k = 0; k < 3; ++k) {
+    basis.set(k, f.right[k]);
+    basis.set(3 + k, f.up[k]);
+    basis.set(6 + k, f.forward[k]);
+  }
+  basis.set(9, static_cast<double>(f.across));
+  basis.set(10, static_cast<double>(f.down));
+  basis.set(11, f.perspective ? 1 : 0);
+  basis.set(12, f.distance);
+  std::vector<double> lower(n), upper(n);
+  for (std::size_t pixel = 0; pixel < tile; ++pixel) {
+    const double u = (static_cast<double>(pixel) + 0.5) / static_cast<double>(tile);
+    std::vector<double> b{1}, previous;
+    for (int d = 1; d <= degree; ++d) {
+      previous = b;
+      b.assign(static_cast<std::size_t>(d) + 1, 0);
+      for (std::size_t i = 0; i < previous.size(); ++i) {
+        b[i] += (1 - u) * previous[i];
+        b[i + 1] += u * previous[i];
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      basis.set(kView + i * tile + pixel, b[i]);
+      const double left = i > 0 ? previous[i - 1] : 0, right = i < previous.size() ? previous[i] : 0;
+      basis.set(kView + (n + i) * tile + pixel, degree * (left - right));
+    }
+  }
+  return basis;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+kernel::Spec spec_of(const Options& options, const device::Device& device, Precision precision, int degree, int tile) {
+  kernel::Spec spec;
+  spec.precision = precision;
+  spec.width = packet_width(device, precision);
+  spec.split = splits(device, options, precision);
+  spec.infinite = false;
+  spec = with_options(spec, options);
+  spec.finder = options.finder;
+  spec.degree = degree;
+  spec.tile = tile;
+  return spec;
+}
+
+// The pixels `open` by the reference, shaded by a kernel that only looks up what was found.
+Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds, const Options& options,
+               device::Device& device, const std::vector<std::size_t>& open, std::size_t pitch) {
+  const auto start = std::chrono::steady_clock::now();
+  const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
+  std::vector<numerics::Ray> rays;
+  std::vector<double> lengths, tmin(open.size(), 0), tmax(open.size(), HUGE_VAL);
+  for (const std::size_t i : open) {
+    const double sx = static_cast<double>((2 * (i % pitch + 0.5L) / view.columns - 1) * half * aspect),
+                 sy = static_cast<double>((1 - 2 * (i / pitch + 0.5L) / view.rows) * half);
+    if (view.perspective) {
+      const glm::dvec3 d = view.forward + sx * view.right + sy * view.up;
+      lengths.push_back(glm::length(d));
+      rays.push_back({view.origin, d / lengths.back()});
+    } else {
+      lengths.push_back(1);
+      rays.push_back({view.origin + sx * view.right + sy * view.up, view.forward});
+    }
+  }
+  numerics::Query query{bounds.lower, bounds.upper, {}, parameters, [&](double) {
+    return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
+  }};
+  for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
+  const std::vector<numerics::Root> roots = numerics::reference(f, rays, tmin.data(), tmax.data(), query);
+
+  kernel::Spec spec = spec_of(options, device, Precision::Double, 0, 0);
+  spec.entry = kernel::Entry::PixelList;
+  spec.pieces = false;
+  Options rest = options;
+  rest.pieces = false;
+  Answer answer = make_answer(open.size(), 1, spec.width, spec.precision, rest);
+  const CameraTerms terms(view, bounds, spec.precision, spec.width);
+  const std::size_t stride = answer.pitch;
+  Reals given(spec.precision, 6 * stride);
+  std::array<std::vector<double>, 3> points;
+  for (std::size_t k = 0; k < stride; ++k) {
+    const std::size_t m = std::min(k, open.size() - 1);
+    const numerics::Root& root = roots[m];
+    const bool found = root.kind == numerics::Kind::hit || root.kind == numerics::Kind::touch;
+    const double t = found ? 0.5 * (root.lo + root.hi) : root.lo;
+    given.set(k, static_cast<double>(root.kind));
+    given.set(stride + k, t / lengths[m] - terms.tau);
+    given.set(2 * stride + k, found ? 0.5 * (root.hi - root.lo) / lengths[m] + 4e-16 * std::fabs(terms.tau) : 0);
+    for (int axis = 0; axis < 3; ++axis) points[axis].push_back(rays[m].origin[axis] + (found ? t : 0) * rays[m].direction[axis]);
+  }
+  if (options.normal || options.rgb) {
+    const char* names[] = {"x", "y", "z"};
+    std::vector<double> values(stride);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Tape tape(differentiate(f, names[axis]));
+      std::vector<std::vector<double>> inputs;
+      for (const std::string& name : tape.symbols()) {
+        const int of = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
+        inputs.push_back(of >= 0 ? points[of] : std::vector<double>(stride, parameters.at(name)));
+      }
+      std::vector<const double*> pointers;
+      for (const auto& v : inputs) pointers.push_back(v.data());
+      tape.run(pointers, values.data(), stride);
+      for (std::size_t k = 0; k < stride; ++k) given.set((3 + axis) * stride + k, values[k]);
+    }
+  }
+  answer.prepare_seconds = seconds_since(start);
+  const Reals settings = scene_settings(bounds, options, spec.precision, terms.pad, -terms.tau);
+  const Memory list = pixel_list(open, stride, pitch);
+  const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device), pixels = device.buffer(list.data(), list.bytes(), device::Access::read),
+             found = given.buffer(device);
+  launch(kernel::assemble_given(spec), spec,
+         {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride), pixels.get()}, settings,
+         {found.get(), static_cast<std::int32_t>(stride)}, rest, device, answer);
+  return answer;
+}
+
+}  // namespace
+
+Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
+                      const Options& options, device::Device& device) {
+  const auto start = std::chrono::steady_clock::now();
+  const numerics::Formula formula(f, parameters);
+  const auto plan = numerics::PolynomialPlan::of(formula);
+  if (!plan || plan->degree() > limits::kFrustumDegree)
+    throw MethodError(fmt::format("the frustum form is for polynomials in x, y, z of degree 1 to {}, and this formula is {}; \"contract\", \"raa\" and "
+                                  "\"ia\" draw every formula", limits::kFrustumDegree, plan ? fmt::format("of degree {}", plan->degree()) : "none"));
+  const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
+  const Screen screen = screen_of(view, bounds, plan->degree());
+  const numerics::Cells cells = numerics::cells_of(*plan, screen.frustum);
+  kernel::Spec spec = spec_of(options, device, precision, plan->degree(), screen.tile);
+  spec.entry = kernel::Entry::Camera;
+  spec.spheres = static_cast<int>(bounds.balls.size());
+  const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
+  Answer answer = make_answer(view.columns, view.rows, spec.width, precision, options);
+  const Forms forms = forms_of(cells, spec);
+  const Reals basis = basis_of(screen, plan->degree(), precision);
+  answer.prepare_seconds = seconds_since(start);
+  {
+    const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
+               tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
+               form = forms.form.buffer(device), values = basis.buffer(device);
+    const numerics::Frustum& s = screen.frustum;
+    launch(kernel::assemble_frustum(spec), spec,
+           {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)}, settings,
+           {tiles.get(), slabs.get(), form.get(), values.get(), s.tile_x0, s.tile_y0, s.tile_x1 - s.tile_x0, s.tile_y1 - s.tile_y0}, options, device, answer);
+  }
+  if (options.precision == PrecisionMode::Single || !device.info().fp64 || !options.outward || answer.outcome != device::Outcome::done) return answer;
+  const auto open = undecided(answer, options);
+  if (!open.empty()) {
+    const Answer rest = resolve(f, parameters, view, bounds, options, device, open, answer.pitch);
+    answer.prepare_seconds += rest.prepare_seconds;
+    scatter(answer, rest, open);
+  }
+  return answer;
+}
+
+}  // namespace irt::render

@@ -1,0 +1,96 @@
+// Root finders that cut Bezier pieces (S2 section 4.2), one after the other: of a piece whose signs may change, the part before the cut
+// comes first; when it is proven free of zeros the part behind follows, taken anew from the cell's own coefficients where the
+// march had left it. Nothing is kept on a stack.
+//
+// The method's file says where to cut: `cut_of`. With IRT_OUTWARD a sign counts only beyond the error that the coefficients carry, and
+// a hit is a bracket between two evaluations, of the only root that is left.
+#define MOST_CUTS 48
+#define MOST_WIDENINGS ((I)4)  // each by four
+
+// Where to cut a piece, as a share of it; `sign` is that of the polynomial at its start.
+static inline F cut_of(const F* c, F sign, F last, F before, F a, F b);
+
+static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found) {
+  F c[N], rest[N];
+  for (int k = 0; k < N; ++k) c[k] = cell->c[k];
+  F a = cell->lo, b = cell->hi, error = cell->error;
+  if (ANY(lanes & (GT(a, (F)0) | LT(b, (F)1)))) {
+    restrict_to(c, a, b);
+    error += R(2.0) * CUT_ERROR;
+  }
+  F last = (F)-4, before = (F)-8;  // the latest estimates of the root
+  I widenings = NONE;
+  for (int n = 0; n < MOST_CUTS && n < max_pieces && ANY(lanes); ++n) {
+    COUNT(lanes)
+    const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
+    const I isolated = one_root(c, error, sign);
+    const F share = cut_of(c, sign, last, before, a, b);
+    const F x = fma(share, b - a, a);
+    for (int k = 0; k < N; ++k) rest[k] = c[k];
+    // `rest` becomes the part behind the cut, c the part before it.
+    F front[N];
+    for (int k = 0; k < N; ++k) {
+      front[k] = rest[0];
+      for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
+    }
+    const F next_error = error + CUT_ERROR, at_cut = sign * rest[0];
+    const I settled = lanes & isolated & (LT(fabs(x - last), cell->reach) | LE(fabs(at_cut), next_error) | LT(b - a, cell->reach));
+    I failed = NONE;
+    if (ANY(settled)) {
+      const F width = cell->reach * TO_F((I)1 << (widenings + widenings));
+      const F lo = max(x - width, a), hi = min(x + width, b);
+      const I good = settled & brackets(cell, lo, hi, sign), counts = GE(lo, cell->in_lo) & LE(hi, cell->in_hi);
+      failed = settled & ~good;
+      const I given_up = (failed & GE(widenings, MOST_WIDENINGS)) | (good & ~counts);
+      widenings -= failed;
+      found->hits |= good & counts;
+      found->open |= given_up;
+      found->lo = SELECT(good, lo, SELECT(given_up, a, found->lo));
+      found->hi = SELECT(good, hi, SELECT(given_up, b, found->hi));
+      lanes &= ~(good | given_up);
+    }
+    const I free = one_sign(front, next_error);
+    const I moves = lanes & ~failed, behind = moves & (free | (isolated & GT(at_cut, (F)0))), ahead = moves & ~behind;
+    // A piece that was free all along ends the cell, or hands over to what the march had cut off.
+    before = SELECT(moves, last, before);
+    last = SELECT(moves, x, last);
+    const I whole = behind & one_sign(rest, next_error);
+    for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
+    a = SELECT(behind, x, a);
+    b = SELECT(ahead, x, b);
+    error = SELECT(moves, next_error, error);
+    const I done = whole & GE(b, cell->hi), resumes = whole & ~done;
+    lanes &= ~done;
+    if (ANY(resumes)) {
+      for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
+      restrict_to(rest, b, cell->hi);
+      for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
+      a = SELECT(resumes, b, a);
+      b = SELECT(resumes, cell->hi, b);
+      error = SELECT(resumes, cell->error + R(2.0) * CUT_ERROR, error);
+    }
+    // Roots closer together than the precision tells apart.
+    const I stuck = lanes & LT(b - a, (F)(R(16.0) * ULP)) & ~settled;
+    found->open |= stuck;
+    found->lo = SELECT(stuck, a, found->lo);
+    found->hi = SELECT(stuck, b, found->hi);
+    lanes &= ~stuck;
+  }
+  found->open |= lanes;
+  found->lo = SELECT(lanes, a, found->lo);
+  found->hi = SELECT(lanes, b, found->hi);
+}
+
+// The first zero of the control polygon, as a share of the piece; 1 where there is none.
+static inline F polygon_zero(const F* c, F sign) {
+  F zero = (F)1;
+  I seen = NONE;
+  for (int k = 1; k < N; ++k) {
+    const I crosses = ~seen & LE(sign * c[k], (F)0);
+    const F p = fabs(c[k - 1]), d = p + fabs(c[k]);
+    zero = SELECT(crosses, ((real)(k - 1) + p / max(d, (F)TINY)) * (R(1.0) / IRT_DEGREE), zero);
+    seen |= crosses;
+  }
+  return zero;
+}
+#define NARROWEST R(0.00390625)  // a cut leaves at least this share on both sides
