@@ -7,7 +7,6 @@
 // lines across padded to packets. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
 #define N (IRT_DEGREE + 1)
 #define LINE ((N + W - 1) / W * W)
-#define LARGEST R(2.0)  // no coefficient is larger
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance
 #define ACROSS(i) (basis + 16 + (i) * IRT_TILE)
 #define SLOPE(i) (basis + 16 + (N + (i)) * IRT_TILE)
@@ -19,10 +18,11 @@
 #define COUNT(lanes)
 #endif
 
-// Rounding of one cut or restriction by de Casteljau, and of an evaluation: at most two roundings a round.
+// Rounding of one cut by de Casteljau (at most three halves of an ulp of the largest coefficient a round), of a restriction (two
+// cuts), and of an evaluation, in parts of the largest coefficient of the ray.
 #if IRT_OUTWARD
-#define CUT_ERROR (R(2.0) * N * ULP * LARGEST)
-#define VALUE_ERROR (R(2.0) * N * ULP * LARGEST)
+#define CUT_ERROR (R(1.5) * N * ULP)
+#define VALUE_ERROR (R(1.5) * N * ULP)
 #else
 #define CUT_ERROR R(0.0)
 #define VALUE_ERROR R(0.0)
@@ -40,7 +40,7 @@ typedef struct {
 // The task within a cell: the coefficients over all of it, and the part that counts.
 typedef struct {
   F c[N];
-  F error;
+  F error, size;     // of any, and of the largest
   F lo, hi;          // outside, nothing counts
   F in_lo, in_hi;    // a bracket lies within
   F reach;           // of the bracket that is wanted, half
@@ -91,11 +91,17 @@ static inline I one_root(const F* c, F error, F sign) {
   return other & ~bad;
 }
 
+static inline F largest_of(const F* c) {
+  F size = fabs(c[0]);
+  for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
+  return size;
+}
+
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found);
 
 // Whether the polynomial changes its sign between lo and hi, beyond all error.
 static inline I brackets(const CELL* cell, F lo, F hi, F sign) {
-  const F bound = cell->error + VALUE_ERROR;
+  const F bound = fma((F)VALUE_ERROR, cell->size, cell->error);
   return GT(sign * value_at(cell->c, IRT_DEGREE, lo), bound) & LT(sign * value_at(cell->c, IRT_DEGREE, hi), -bound);
 }
 
@@ -149,6 +155,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #endif
     const I open = lanes & ~one_sign(cell.c, cell.error);
     if (!ANY(open)) continue;
+    cell.size = largest_of(cell.c);
     cell.in_lo = (range->in0 - near) * inverse + slack;
     cell.in_hi = (range->in1 - near) * inverse - slack;
     cell.reach = R(0.45) * (F)EPS / NARROW(ray->length) * inverse;

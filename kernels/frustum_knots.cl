@@ -20,7 +20,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   const F start = cell->lo, length = cell->hi - cell->lo;
   if (ANY(lanes & (GT(cell->lo, (F)0) | LT(cell->hi, (F)1)))) {
     restrict_to(c, cell->lo, cell->hi);
-    error += R(2.0) * CUT_ERROR;
+    error = fma((F)(R(2.0) * CUT_ERROR), cell->size, error);
   }
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   F last = (F)-4, before = (F)-8;
@@ -56,7 +56,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       const F lo = SELECT(isolated, max(x - width, start), free), hi = min(x + width, cell->hi);
       const I good = settled & brackets(cell, lo, hi, sign), counts = GE(lo, cell->in_lo) & LE(hi, cell->in_hi);
       const I failed = settled & ~good, given_up = (failed & GE(widenings, MOST_WIDENINGS)) | (good & ~counts);
-      widenings -= failed;
+      widenings -= failed & LT(fabs(x - last), R(0.125) * cell->reach);
       found->hits |= good & counts;
       found->open |= given_up;
       found->lo = SELECT(good, lo, SELECT(given_up, free, found->lo));
@@ -80,7 +80,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     }
     for (int i = count + N; i > 0; --i) t[i] = max(t[i - 1], i == count + N ? (F)1 : min(t[i], knot));
 #if IRT_OUTWARD
-    error += R(4.0) * ULP * LARGEST;
+    error = fma((F)(R(4.0) * ULP), cell->size, error);
 #endif
   }
 }

@@ -7,6 +7,18 @@
 #define MOST_CUTS 48
 #define MOST_WIDENINGS ((I)4)  // each by four
 
+// The first zero of the control polygon, as a share of the piece; 1 where there is none.
+static inline F polygon_zero(const F* c, F sign) {
+  F zero = (F)1;
+  I seen = NONE;
+  for (int k = 1; k < N; ++k) {
+    const I crosses = ~seen & LE(sign * c[k], (F)0);
+    const F p = fabs(c[k - 1]), d = p + fabs(c[k]);
+    zero = SELECT(crosses, ((real)(k - 1) + p / max(d, (F)TINY)) * (R(1.0) / IRT_DEGREE), zero);
+    seen |= crosses;
+  }
+  return zero;
+}
 // Where to cut a piece, as a share of it; `sign` is that of the polynomial at its start.
 static inline F cut_of(const F* c, F sign, F last, F before, F a, F b);
 
@@ -16,15 +28,19 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   F a = cell->lo, b = cell->hi, error = cell->error;
   if (ANY(lanes & (GT(a, (F)0) | LT(b, (F)1)))) {
     restrict_to(c, a, b);
-    error += R(2.0) * CUT_ERROR;
+    error = fma((F)(R(2.0) * CUT_ERROR), cell->size, error);
   }
+  // No sign changes before the first root.
+  const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   F last = (F)-4, before = (F)-8;  // the latest estimates of the root
-  I widenings = NONE;
+  I widenings = NONE, isolated = NONE;  // exactly one root is left in the piece
   for (int n = 0; n < MOST_CUTS && n < max_pieces && ANY(lanes); ++n) {
     COUNT(lanes)
-    const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
-    const I isolated = one_root(c, error, sign);
-    const F share = cut_of(c, sign, last, before, a, b);
+    const F size = largest_of(c);
+    isolated |= one_root(c, error, sign);
+    // While there may be more roots than one, a little behind: a cut in a root would leave its sign unknown on both sides.
+    const F cut = cut_of(c, sign, last, before, a, b), beyond = max(R(4.0) * cell->reach / (b - a), (F)R(0.015625));
+    const F share = SELECT(isolated, cut, min(cut + beyond, R(0.5) + R(0.5) * cut));
     const F x = fma(share, b - a, a);
     for (int k = 0; k < N; ++k) rest[k] = c[k];
     // `rest` becomes the part behind the cut, c the part before it.
@@ -33,12 +49,12 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       front[k] = rest[0];
       for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
     }
-    const F next_error = error + CUT_ERROR, at_cut = sign * rest[0];
+    const F next_error = fma((F)CUT_ERROR, size, error), at_cut = sign * rest[0];
     const I settled = lanes & isolated & (LT(fabs(x - last), cell->reach) | LE(fabs(at_cut), next_error) | LT(b - a, cell->reach));
     I failed = NONE;
     if (ANY(settled)) {
       const F width = cell->reach * TO_F((I)1 << (widenings + widenings));
-      const F lo = max(x - width, a), hi = min(x + width, b);
+      const F zero = fma(polygon_zero(c, sign), b - a, a), lo = max(zero - width, a), hi = min(zero + width, b);
       const I good = settled & brackets(cell, lo, hi, sign), counts = GE(lo, cell->in_lo) & LE(hi, cell->in_hi);
       failed = settled & ~good;
       const I given_up = (failed & GE(widenings, MOST_WIDENINGS)) | (good & ~counts);
@@ -67,7 +83,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
       a = SELECT(resumes, b, a);
       b = SELECT(resumes, cell->hi, b);
-      error = SELECT(resumes, cell->error + R(2.0) * CUT_ERROR, error);
+      error = SELECT(resumes, fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error), error);
     }
     // Roots closer together than the precision tells apart.
     const I stuck = lanes & LT(b - a, (F)(R(16.0) * ULP)) & ~settled;
@@ -81,16 +97,4 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   found->hi = SELECT(lanes, b, found->hi);
 }
 
-// The first zero of the control polygon, as a share of the piece; 1 where there is none.
-static inline F polygon_zero(const F* c, F sign) {
-  F zero = (F)1;
-  I seen = NONE;
-  for (int k = 1; k < N; ++k) {
-    const I crosses = ~seen & LE(sign * c[k], (F)0);
-    const F p = fabs(c[k - 1]), d = p + fabs(c[k]);
-    zero = SELECT(crosses, ((real)(k - 1) + p / max(d, (F)TINY)) * (R(1.0) / IRT_DEGREE), zero);
-    seen |= crosses;
-  }
-  return zero;
-}
 #define NARROWEST R(0.00390625)  // a cut leaves at least this share on both sides

@@ -15,6 +15,11 @@ __extension__ typedef __float128 Quad;
 // Above this degree printed coefficients cancel too much for the 64 bits of a long double.
 constexpr int kQuadDegree = 12;
 
+// Least slope of a steady cell, in parts of its largest value.
+constexpr double kSteady = 0.1;
+// Halvings of the depth after which slabs are short enough, but for accuracy.
+constexpr int kUsualDepthCuts = 3;
+
 // A tensor in the scaled Bernstein basis u^i (1 - u)^(n - i), of degree n along each axis, with the sum of the sizes of all that
 // went into each coefficient; `depth` bounds how many roundings each of these has seen.
 template <class T>
@@ -105,16 +110,15 @@ Tensor<T> coordinate(const Frustum& f, int axis) {
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       for (int k = 0; k < 2; ++k) {
-        const T s = k ? f.far : f.near, spread = f.perspective ? T(f.distance) + s : T(1);
-        const T sx = T(f.left) + T(i ? f.tile_x1 : f.tile_x0) * T(f.across), sy = T(f.top) + T(j ? f.tile_y1 : f.tile_y0) * T(f.down);
-        const T parts[] = {T(f.middle[axis]), sx * spread * T(f.right[axis]), sy * spread * T(f.up[axis]), s * T(f.forward[axis])};
+        // In more digits than T has, so that what is left of cancellation is all right.
+        const Quad s = k ? f.far : f.near, spread = f.perspective ? Quad(f.distance) + s : Quad(1);
+        const Quad sx = Quad(f.left) + Quad(i ? f.tile_x1 : f.tile_x0) * Quad(f.across), sy = Quad(f.top) + Quad(j ? f.tile_y1 : f.tile_y0) * Quad(f.down);
+        const Quad parts[] = {Quad(f.middle[axis]), sx * spread * Quad(f.right[axis]), sy * spread * Quad(f.up[axis]), s * Quad(f.forward[axis])};
         const std::size_t at = (i * 2 + j) * 2 + k;
-        r.value[at] = parts[0] + parts[1] + parts[2] + parts[3];
-        // The terms' own parts may cancel as well.
-        const double wide = magnitude(T(f.distance)) + magnitude(s) + 1;
-        r.size[at] = magnitude(parts[0]) + magnitude(parts[3]) +
-                     wide * ((magnitude(T(f.left)) + magnitude(T(i ? f.tile_x1 : f.tile_x0) * T(f.across))) * std::fabs(f.right[axis]) +
-                             (magnitude(T(f.top)) + magnitude(T(j ? f.tile_y1 : f.tile_y0) * T(f.down))) * std::fabs(f.up[axis]));
+        r.value[at] = static_cast<T>(parts[0] + parts[1] + parts[2] + parts[3]);
+        const double wide = (magnitude(s) + std::fabs(f.distance) + 1) * (1 + magnitude(f.left) + magnitude(f.top) + magnitude(sx) + magnitude(sy)) +
+                            glm::length(f.middle);
+        r.size[at] = magnitude(r.value[at]) + wide * (std::is_same_v<T, Quad> ? 1 : 0x1p-44);
       }
   return r;
 }
@@ -168,26 +172,59 @@ Whole<T> compose(const PolynomialPlan& plan, const Frustum& frustum, double unit
   return whole;
 }
 
-// Cuts [i][j][k] at `share` along an axis by de Casteljau: `a` becomes the first part, `b` the second.
+// One round after another of de Casteljau's algorithm on n runs of `width` values: `lines` become the coefficients of the first part,
+// `ends` those of the second.
+template <class T>
+inline void cut_runs(T* __restrict lines, T* __restrict ends, std::size_t n, std::size_t width, T share) {
+  const T rest = T(1) - share;
+  for (std::size_t round = 1; round < n; ++round) {
+    std::copy_n(lines + (n - 1) * width, width, ends + (n - round) * width);
+    for (std::size_t i = n - 1; i >= round; --i) {
+      T* __restrict to = lines + i * width;
+      const T* __restrict from = lines + (i - 1) * width;
+      for (std::size_t m = 0; m < width; ++m) to[m] = rest * from[m] + share * to[m];
+    }
+  }
+  std::copy_n(lines + (n - 1) * width, width, ends);
+}
+
+// The same for doubles, in the widest vectors that the processor has: results do not depend on them.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+__attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#endif
+void cut_doubles(double* lines, double* ends, std::size_t n, std::size_t width, double share) {
+  cut_runs(lines, ends, n, width, share);
+}
+
+template <class T>
+void transpose(const T* from, T* to, std::size_t rows, std::size_t columns) {
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) to[j * rows + i] = from[i * columns + j];
+}
+
+// Cuts [i][j][k] at `share` along an axis: `a` becomes the first part, `b` the second.
 template <class T>
 void cut(std::vector<T>& a, std::vector<T>& b, std::size_t n, int axis, T share) {
   b.resize(a.size());
-  const T rest = T(1) - share;
-  const auto step = [&](T* lines, T* ends, std::size_t stride, std::size_t width) {
-    // `lines`: n runs of `width` values, `stride` apart. Their last run after each round is a coefficient of the second part.
-    for (std::size_t round = 1; round < n; ++round) {
-      std::copy_n(lines + (n - 1) * stride, width, ends + (n - round) * stride);
-      for (std::size_t i = n - 1; i >= round; --i)
-        for (std::size_t m = 0; m < width; ++m) lines[i * stride + m] = rest * lines[(i - 1) * stride + m] + share * lines[i * stride + m];
+  const auto runs = [&](T* lines, T* ends, std::size_t width) {
+    if constexpr (std::is_same_v<T, double>) {
+      cut_doubles(lines, ends, n, width, share);
+    } else {
+      cut_runs(lines, ends, n, width, share);
     }
-    std::copy_n(lines + (n - 1) * stride, width, ends);
   };
   if (axis == 0) {
-    step(a.data(), b.data(), n * n, n * n);
+    runs(a.data(), b.data(), n * n);
   } else if (axis == 1) {
-    for (std::size_t i = 0; i < n; ++i) step(&a[i * n * n], &b[i * n * n], n, n);
+    for (std::size_t i = 0; i < n; ++i) runs(&a[i * n * n], &b[i * n * n], n);
   } else {
-    for (std::size_t i = 0; i < n * n; ++i) step(&a[i * n], &b[i * n], 1, 1);
+    thread_local std::vector<T> deep, second;
+    deep.resize(a.size());
+    second.resize(a.size());
+    transpose(a.data(), deep.data(), n * n, n);
+    runs(deep.data(), second.data(), n * n);
+    transpose(deep.data(), a.data(), n, n * n);
+    transpose(second.data(), b.data(), n, n * n);
   }
 }
 
@@ -199,8 +236,10 @@ struct Block {
 template <class T>
 class Cutter {
  public:
-  Cutter(const Frustum& frustum, int degree, double unit)
-      : frustum_(frustum), n_(static_cast<std::size_t>(degree) + 1), unit_(unit), grow_((4 * degree + 8) * unit), pool_(64) {}
+  Cutter(const Frustum& frustum, const Demand& demand, int degree, double unit)
+      : frustum_(frustum), demand_(demand), n_(static_cast<std::size_t>(degree) + 1), unit_(unit), grow_((4 * degree + 8) * unit), pool_(64),
+        full_(static_cast<std::size_t>(frustum.tile_y1 - frustum.tile_y0) * (frustum.tile_x1 - frustum.tile_x0), false),
+        slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {}
 
   struct Leaf {
     int tile;
@@ -216,9 +255,9 @@ class Cutter {
       lowest = std::min(lowest, v);
       highest = std::max(highest, v);
     }
-    if (static_cast<double>(lowest) > error || static_cast<double>(highest) < -error || outside(block)) return;
+    if (static_cast<double>(lowest) > error || static_cast<double>(highest) < -error || hidden(block) || place(block) > 0) return;
     const double largest = std::max(magnitude(lowest), magnitude(highest));
-    const int axis = longest(block, form, error);
+    const int axis = longest(block, form, error, largest);
     if (axis < 0) return emit(block, form, error, largest);
     std::vector<T>& second = pool_[level];
     Block a = block, b = block;
@@ -251,35 +290,70 @@ class Cutter {
     return frustum_.middle + sx * spread * frustum_.right + sy * spread * frustum_.up + s * frustum_.forward;
   }
 
-  bool outside(const Block& b) const {
+  // 1 outside the bounds, -1 inside, 0 where that depends.
+  int place(const Block& b) const {
     glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+    bool in_balls = true;
     for (int k = 0; k < 8; ++k) {
       const glm::dvec3 c = corner(k & 1 ? b.x1 : b.x0, k & 2 ? b.y1 : b.y0, at(k & 4 ? b.last : b.first));
       low = glm::min(low, c);
       high = glm::max(high, c);
+      for (const auto& ball : frustum_.balls) in_balls = in_balls && glm::length(c - glm::dvec3(ball)) < ball.w - slack_;
     }
-    const double slack = 1e-12 * (glm::length(frustum_.upper - frustum_.lower) + glm::length(frustum_.middle) + std::fabs(frustum_.distance));
-    return glm::any(glm::greaterThan(low, frustum_.upper + slack)) || glm::any(glm::lessThan(high, frustum_.lower - slack));
+    if (glm::any(glm::greaterThan(low, frustum_.upper + slack_)) || glm::any(glm::lessThan(high, frustum_.lower - slack_))) return 1;
+    return in_balls && at(b.first) > -frustum_.distance && glm::all(glm::lessThan(high, frustum_.upper - slack_)) &&
+                   glm::all(glm::greaterThan(low, frustum_.lower + slack_))
+               ? -1 : 0;
   }
 
-  // Where to cut: across what is longest. A tile along whose rays f only rises or only falls is done, however long.
-  int longest(const Block& b, const std::vector<T>& form, double error) const {
+  bool hidden(const Block& b) const {
+    for (int y = b.y0; y < b.y1; ++y)
+      for (int x = b.x0; x < b.x1; ++x)
+        if (!full_[index(x, y)]) return false;
+    return true;
+  }
+
+  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y - frustum_.tile_y0) * (frustum_.tile_x1 - frustum_.tile_x0) + (x - frustum_.tile_x0); }
+
+  // Where to cut: across what is longest. Within a tile slabs stay long where f rises or falls steadily along its rays, and become
+  // short where rounding would blur a root by more than is asked for.
+  int longest(const Block& b, const std::vector<T>& form, double error, double largest) const {
     const double middle = at((b.first + b.last) / 2), spread = frustum_.perspective ? std::fabs(frustum_.distance + middle) : 1;
     const double wide = b.x1 - b.x0 > 1 ? (b.x1 - b.x0) * std::fabs(static_cast<double>(frustum_.across)) * spread : 0,
                  high = b.y1 - b.y0 > 1 ? (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread : 0;
-    double deep = b.last - b.first > 1 ? at(b.last) - at(b.first) : 0;
-    if (deep > 0 && deep >= std::max(wide, high) && b.x1 - b.x0 == 1 && b.y1 - b.y0 == 1 && monotone(form, error)) deep = 0;
-    if (wide == 0 && high == 0 && deep == 0) return -1;
+    const int parts = b.last - b.first;
+    const double length = at(b.last) - at(b.first);
+    if (wide == 0 && high == 0) {
+      if (parts == 1) return -1;
+      const bool long_slab = parts > 1 << (kMostDepthCuts - kUsualDepthCuts);
+      const bool apart = long_slab && !steady(form, error, largest);
+      return apart || blur(form, error, largest) * length > 0.25 * demand_.eps ? 2 : -1;
+    }
+    const double deep = parts > 1 << (kMostDepthCuts - kUsualDepthCuts) ? length : 0;
     return deep >= wide && deep >= high ? 2 : wide >= high ? 0 : 1;
   }
 
-  bool monotone(const std::vector<T>& form, double error) const {
+  // How far off rounding may put a root, in parts of the slab: on the line of coefficients that changes its sign most slowly.
+  double blur(const std::vector<T>& form, double error, double largest) const {
+    double slowest = HUGE_VAL;
+    for (std::size_t i = 0; i < form.size(); i += n_)
+      for (std::size_t k = i + 1; k < i + n_; ++k)
+        if ((form[k] < T(0)) != (form[k - 1] < T(0))) {
+          slowest = std::min(slowest, std::fabs(static_cast<double>(form[k] - form[k - 1])));
+          break;
+        }
+    return (largest * demand_.rounding + error) / std::max(slowest * static_cast<double>(n_ - 1), 1e-300);
+  }
+
+  // Whether the least slope along any ray is a fair share of the largest value: then roots are as exact as coefficients are.
+  bool steady(const std::vector<T>& form, double error, double largest) const {
+    const double least = kSteady * largest / static_cast<double>(n_ - 1) + 2 * error;
     bool rises = true, falls = true;
     for (std::size_t i = 0; i < form.size(); i += n_)
       for (std::size_t k = i + 1; k < i + n_; ++k) {
         const double step = static_cast<double>(form[k] - form[k - 1]);
-        rises = rises && step > -error;
-        falls = falls && step < error;
+        rises = rises && step > least;
+        falls = falls && step < -least;
       }
     return rises || falls;
   }
@@ -289,18 +363,28 @@ class Cutter {
     std::frexp(largest, &exponent);
     const double scale = std::ldexp(1.0, 1 - exponent);
     const double kept = (error + largest * 0x1p-53) * scale;
+    bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
+    for (std::size_t i = 0; i < form.size(); i += n_) {
+      const double first = static_cast<double>(form[i]), last = static_cast<double>(form[i + n_ - 1]);
+      above = above && first > error && last < -error;
+      below = below && first < -error && last > error;
+    }
+    if ((above || below) && place(b) < 0) full_[index(b.x0, b.y0)] = true;
     leaves.push_back({b.y0 * 65536 + b.x0, {at(b.first), at(b.last), kept, coefficients.size()}});
     for (const T& v : form) coefficients.push_back(static_cast<double>(v * T(scale)));
   }
 
   const Frustum& frustum_;
+  Demand demand_;
   std::size_t n_;
   double unit_, grow_;
   std::vector<std::vector<T>> pool_;
+  std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already: nothing behind it is seen
+  double slack_;
 };
 
 template <class T, class From>
-Cells cut_up(const Frustum& f, int degree, const Whole<From>& whole, double unit) {
+Cells cut_up(const Frustum& f, const Demand& demand, int degree, const Whole<From>& whole, double unit) {
   std::vector<T> form(whole.value.begin(), whole.value.end());
   double largest = 0;
   for (const T& v : form) largest = std::max(largest, magnitude(v));
@@ -309,7 +393,7 @@ Cells cut_up(const Frustum& f, int degree, const Whole<From>& whole, double unit
   const int rows = f.tile_y1 - f.tile_y0;
   const int bands = std::max(1, std::min(rows, static_cast<int>(std::thread::hardware_concurrency())));
   std::vector<Cutter<T>> cutters;
-  for (int k = 0; k < bands; ++k) cutters.emplace_back(f, degree, unit);
+  for (int k = 0; k < bands; ++k) cutters.emplace_back(f, demand, degree, unit);
   const auto band = [&](int k) {
     std::vector<T> mine = form, other;
     const std::size_t n = static_cast<std::size_t>(degree) + 1;
@@ -354,10 +438,10 @@ Cells cut_up(const Frustum& f, int degree, const Whole<From>& whole, double unit
 
 }  // namespace
 
-Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum) {
+Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum, const Demand& demand) {
   const int degree = plan.degree();
-  if (degree > kQuadDegree) return cut_up<long double>(frustum, degree, compose<Quad>(plan, frustum, 0x1p-112), 0x1p-63);
-  return cut_up<double>(frustum, degree, compose<long double>(plan, frustum, 0x1p-63), 0x1p-53);
+  if (degree > kQuadDegree) return cut_up<long double>(frustum, demand, degree, compose<Quad>(plan, frustum, 0x1p-112), 0x1p-63);
+  return cut_up<double>(frustum, demand, degree, compose<long double>(plan, frustum, 0x1p-63), 0x1p-53);
 }
 
 }  // namespace irt::numerics

@@ -25,6 +25,7 @@ struct Frustum {
   int tile_x0 = 0, tile_x1 = 0, tile_y0 = 0, tile_y1 = 0;  // tiles that count
   double near = 0, far = 0;                                // s
   glm::dvec3 lower, upper;                                 // the box outside which nothing counts
+  std::vector<glm::dvec4> balls;                           // and balls: centre, radius
 };
 
 // Cells in the order of their tiles, each tile's from front to back.
@@ -42,7 +43,12 @@ struct Cells {
 
 constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
 
+// How exactly kernels will carry a cell: their rounding, in parts of its largest coefficient, and the width of depth that is asked for.
+struct Demand {
+  double rounding, eps;
+};
+
 // The cells of f over the frustum. Throws MethodError where the coefficients leave the range of doubles.
-Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum);
+Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum, const Demand& demand);
 
 }  // namespace irt::numerics

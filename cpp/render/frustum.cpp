@@ -19,6 +19,8 @@ namespace {
 
 using program::Precision;
 
+// So few open pixels go the reference's way at once.
+constexpr std::size_t kFewPixels = 64;
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
 struct Screen {
@@ -51,6 +53,7 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   f.middle = view.origin + f.distance * view.forward;
   f.lower = bounds.lower;
   f.upper = bounds.upper;
+  for (const Ball& ball : bounds.balls) f.balls.emplace_back(ball.center, ball.radius);
   const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
   f.left = -half * aspect;
   f.across = 2 * half * aspect * screen.tile / view.columns;
@@ -88,6 +91,10 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   return screen;
 }
 
+// Rounding of a cell's coefficients, of both bases and of both contractions (kernels/frustum_cells.cl), half an ulp each, in parts of the
+// largest coefficient.
+double rounding_of(int degree, Precision precision) { return (degree + 4) * (precision == Precision::Double ? 0x1p-52 : 0x1p-23); }
+
 // Cells as buffers: slabs and forms. Lines across are padded to packets.
 struct Forms {
   Memory tiles;
@@ -99,8 +106,7 @@ Forms forms_of(const numerics::Cells& cells, const kernel::Spec& spec) {
   Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * cells.cells.size()),
             Reals(spec.precision, n * n * line * cells.cells.size())};
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
-  // Rounding of the coefficients, of both bases and of both contractions (kernels/frustum_cells.cl): half an ulp each.
-  const double rounding = (2.0 * static_cast<double>(n) + 8) * (spec.precision == Precision::Double ? 0x1p-52 : 0x1p-23);
+  const double rounding = 2 * rounding_of(cells.degree, spec.precision);
   std::size_t at = 0;
   for (std::size_t m = 0; m < cells.cells.size(); ++m) {
     const auto& cell = cells.cells[m];
@@ -239,6 +245,71 @@ Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, c
   return answer;
 }
 
+
+// One frame by the kernel of `precision`.
+Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
+            device::Device& device, Precision precision) {
+  const auto start = std::chrono::steady_clock::now();
+  kernel::Spec spec = spec_of(options, device, precision, cells.degree, screen.tile);
+  spec.entry = kernel::Entry::Camera;
+  spec.spheres = static_cast<int>(bounds.balls.size());
+  const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
+  Answer answer = make_answer(view.columns, view.rows, spec.width, precision, options);
+  const Forms forms = forms_of(cells, spec);
+  const Reals basis = basis_of(screen, cells.degree, precision);
+  answer.prepare_seconds = seconds_since(start);
+  const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
+             tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
+             form = forms.form.buffer(device), values = basis.buffer(device);
+  const numerics::Frustum& f = screen.frustum;
+  launch(kernel::assemble_frustum(spec), spec,
+         {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)}, settings,
+         {tiles.get(), slabs.get(), form.get(), values.get(), f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0}, options, device, answer);
+  return answer;
+}
+
+// The tiles of `screen` that have a pixel among `open`; the others' cells are left out.
+numerics::Cells only(const numerics::Cells& cells, const Screen& screen, const std::vector<std::size_t>& open, std::size_t pitch) {
+  const numerics::Frustum& f = screen.frustum;
+  const int columns = f.tile_x1 - f.tile_x0;
+  std::vector<bool> wanted(cells.begins.size(), false);
+  for (const std::size_t i : open) {
+    const int x = static_cast<int>(i % pitch) / screen.tile - f.tile_x0, y = static_cast<int>(i / pitch) / screen.tile - f.tile_y0;
+    wanted[static_cast<std::size_t>(y) * columns + x] = true;
+  }
+  numerics::Cells out;
+  out.degree = cells.degree;
+  out.coefficients = cells.coefficients;
+  for (std::size_t tile = 0; tile + 1 < cells.begins.size(); ++tile) {
+    out.begins.push_back(static_cast<std::int32_t>(out.cells.size()));
+    if (wanted[tile]) out.cells.insert(out.cells.end(), cells.cells.begin() + cells.begins[tile], cells.cells.begin() + cells.begins[tile + 1]);
+  }
+  out.begins.push_back(static_cast<std::int32_t>(out.cells.size()));
+  return out;
+}
+
+// The pixels `which` of a frame, as a list.
+Answer picked(const Answer& frame, const std::vector<std::size_t>& which, const Options& options) {
+  Answer part = make_answer(which.size(), 1, 1, Precision::Double, options);
+  const std::size_t n = frame.pitch * frame.rows, m = part.pitch * part.rows;
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const std::size_t i = which[k];
+    part.depth->as<double>()[k] = frame.depth->as<double>()[i];
+    part.uncertainty->as<double>()[k] = frame.uncertainty->as<double>()[i];
+    part.status->as<unsigned char>()[k] = frame.status->as<unsigned char>()[i];
+    for (std::size_t axis = 0; part.normal && axis < 3; ++axis) part.normal->as<float>()[axis * m + k] = frame.normal->as<float>()[axis * n + i];
+    if (part.rgba) part.rgba->as<std::uint32_t>()[k] = frame.rgba->as<std::uint32_t>()[i];
+    if (part.pieces) part.pieces->as<std::uint32_t>()[k] = frame.pieces->as<std::uint32_t>()[i];
+  }
+  part.builds = frame.builds;
+  part.build_seconds = frame.build_seconds;
+  part.launch_seconds = frame.launch_seconds;
+  part.kernel_seconds = frame.kernel_seconds;
+  part.outcome = frame.outcome;
+  return part;
+}
+
 }  // namespace
 
 Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
@@ -249,29 +320,25 @@ Answer render_frustum(const Expr& f, const std::map<std::string, double>& parame
   if (!plan || plan->degree() > limits::kFrustumDegree)
     throw MethodError(fmt::format("the frustum form is for polynomials in x, y, z of degree 1 to {}, and this formula is {}; \"contract\", \"raa\" and "
                                   "\"ia\" draw every formula", limits::kFrustumDegree, plan ? fmt::format("of degree {}", plan->degree()) : "none"));
-  const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
+  const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   const Screen screen = screen_of(view, bounds, plan->degree());
-  const numerics::Cells cells = numerics::cells_of(*plan, screen.frustum);
-  kernel::Spec spec = spec_of(options, device, precision, plan->degree(), screen.tile);
-  spec.entry = kernel::Entry::Camera;
-  spec.spheres = static_cast<int>(bounds.balls.size());
-  const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
-  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
-  Answer answer = make_answer(view.columns, view.rows, spec.width, precision, options);
-  const Forms forms = forms_of(cells, spec);
-  const Reals basis = basis_of(screen, plan->degree(), precision);
-  answer.prepare_seconds = seconds_since(start);
-  {
-    const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
-               tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
-               form = forms.form.buffer(device), values = basis.buffer(device);
-    const numerics::Frustum& s = screen.frustum;
-    launch(kernel::assemble_frustum(spec), spec,
-           {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)}, settings,
-           {tiles.get(), slabs.get(), form.get(), values.get(), s.tile_x0, s.tile_y0, s.tile_x1 - s.tile_x0, s.tile_y1 - s.tile_y0}, options, device, answer);
-  }
+  const numerics::Cells cells = numerics::cells_of(*plan, screen.frustum, {rounding_of(plan->degree(), first), options.eps});
+  const double prepared = seconds_since(start);
+  Answer answer = pass(cells, screen, view, bounds, options, device, first);
+  answer.prepare_seconds += prepared;
   if (options.precision == PrecisionMode::Single || !device.info().fp64 || !options.outward || answer.outcome != device::Outcome::done) return answer;
-  const auto open = undecided(answer, options);
+  std::vector<std::size_t> open = undecided(answer, options);
+  if (first == Precision::Single && open.size() > kFewPixels) {
+    const Answer second = pass(only(cells, screen, open, answer.pitch), screen, view, bounds, options, device, Precision::Double);
+    std::vector<std::size_t> there;  // rows of the two frames may be padded differently
+    for (const std::size_t i : open) there.push_back(i / answer.pitch * second.pitch + i % answer.pitch);
+    const double spent = second.prepare_seconds;
+    scatter(answer, picked(second, there, options), open);
+    answer.prepare_seconds += spent;
+    if (answer.outcome != device::Outcome::done) return answer;
+    open = undecided(answer, options);
+    answer.escalated -= open.size();  // they are counted once
+  }
   if (!open.empty()) {
     const Answer rest = resolve(f, parameters, view, bounds, options, device, open, answer.pitch);
     answer.prepare_seconds += rest.prepare_seconds;
