@@ -3,7 +3,7 @@
 //
 // The method's file says where the knot goes: `knot_of`. Before the knot at which the first coefficient that may have the other sign
 // begins to count, the spline is proven free of zeros (all coefficients that count there have one sign).
-#define MOST_KNOTS 20
+#define MOST_KNOTS (16 + 5 * IRT_DEGREE)
 #define MOST_COEFFICIENTS (N + MOST_KNOTS)
 #define MOST_WIDENINGS ((I)4)  // each by four
 
@@ -24,7 +24,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   }
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   F last = (F)-4, before = (F)-8;
-  I widenings = NONE;
+  I widenings = NONE, isolated = NONE;  // exactly one root is left
   for (int count = N; ANY(lanes); ++count) {
     COUNT(lanes)
     // The first coefficient that may be of the other sign, the polygon's zero before it, and how often signs change.
@@ -48,7 +48,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       place = next;
     }
     lanes &= seen;  // the others are free of zeros
-    const I isolated = other & ~bad;
+    isolated |= other & ~bad;
     const F x = fma(clamp(zero, (F)0, (F)1), length, start), free = fma(free_until, length, start);
     const I settled = lanes & ((isolated & (LT(fabs(x - last), cell->reach))) | (other & LT(x - free, cell->reach)));
     if (ANY(settled)) {
@@ -69,7 +69,10 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       found->hi = SELECT(lanes, cell->hi, found->hi);
       return;
     }
-    const F knot = clamp(knot_of(x, last, before) - start, (F)0, length) / max(length, (F)TINY);
+    // Where more roots may follow, knots a little before the root have to prove that it is the first.
+    const I guards = ~isolated & LT(fabs(x - last), R(0.25) * cell->reach);
+    const F place_of = SELECT(guards, x - R(0.5) * cell->reach, knot_of(x, last, before));
+    const F knot = clamp(place_of - start, (F)0, length) / max(length, (F)TINY);
     before = last;
     last = x;
     // Boehm's insertion, over all coefficients: those that it does not concern get the weights 0 and 1.

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <thread>
+#include <type_traits>
 
 #include "error.h"
 
@@ -12,8 +14,14 @@ namespace {
 
 __extension__ typedef __float128 Quad;
 
-// Above this degree printed coefficients cancel too much for the 64 bits of a long double.
-constexpr int kQuadDegree = 12;
+// Half an ulp, in parts of a value (twice that for Quad, whose operations are emulated).
+template <class T>
+constexpr double kUnit = std::is_same_v<T, double> ? 0x1p-53 : std::is_same_v<T, long double> ? 0x1p-64 : 0x1p-112;
+
+// Cuts that are made in more digits before fewer take over.
+constexpr int kPreciseCuts = 6;
+// Cells that may be less exact than what the kernel's rounding does to them.
+constexpr double kInexactCells = 0.02, kExactEnough = 1e-7;
 
 // Least slope of a steady cell, in parts of its largest value.
 constexpr double kSteady = 0.1;
@@ -36,32 +44,43 @@ double magnitude(T v) {
   return std::fabs(static_cast<double>(v));
 }
 
+// Sums run along one axis after the other, so that no term sees more than three sides of additions.
 template <class T>
 Tensor<T> product(const Tensor<T>& a, const Tensor<T>& b) {
+  if (a.side() > b.side()) return product(b, a);
   Tensor<T> r;
   r.degree = a.degree + b.degree;
-  r.depth = a.depth + b.depth + 1 + 3 * static_cast<int>(std::min(a.side(), b.side()));
+  r.depth = a.depth + b.depth + 1 + 3 * static_cast<int>(a.side());
   const std::size_t n = r.side(), na = a.side(), nb = b.side();
   r.value.assign(n * n * n, T(0));
   r.size.assign(n * n * n, 0);
-  for (std::size_t i = 0; i < na; ++i)
-    for (std::size_t j = 0; j < na; ++j)
+  std::vector<T> line(nb * nb * n), plane(nb * n * n);
+  for (std::size_t i = 0; i < na; ++i) {
+    std::fill(plane.begin(), plane.end(), T(0));
+    for (std::size_t j = 0; j < na; ++j) {
+      std::fill(line.begin(), line.end(), T(0));
       for (std::size_t k = 0; k < na; ++k) {
         const T v = a.value[(i * na + j) * na + k];
         const double s = a.size[(i * na + j) * na + k];
         if (s == 0) continue;
         for (std::size_t p = 0; p < nb; ++p)
           for (std::size_t q = 0; q < nb; ++q) {
-            T* out = &r.value[((i + p) * n + j + q) * n + k];
-            double* sizes = &r.size[((i + p) * n + j + q) * n + k];
             const T* with = &b.value[(p * nb + q) * nb];
-            const double* others = &b.size[(p * nb + q) * nb];
+            const double* sizes = &b.size[(p * nb + q) * nb];
+            T* to = &line[(p * nb + q) * n + k];
+            double* out = &r.size[((i + p) * n + j + q) * n + k];
             for (std::size_t m = 0; m < nb; ++m) {
-              out[m] += v * with[m];
-              sizes[m] += s * others[m];
+              to[m] += v * with[m];
+              out[m] += s * sizes[m];
             }
           }
       }
+      for (std::size_t p = 0; p < nb; ++p)
+        for (std::size_t q = 0; q < nb; ++q)
+          for (std::size_t m = 0; m < n; ++m) plane[(p * n + j + q) * n + m] += line[(p * nb + q) * n + m];
+    }
+    for (std::size_t m = 0; m < nb * n * n; ++m) r.value[i * n * n + m] += plane[m];
+  }
   return r;
 }
 
@@ -110,15 +129,13 @@ Tensor<T> coordinate(const Frustum& f, int axis) {
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       for (int k = 0; k < 2; ++k) {
-        // In more digits than T has, so that what is left of cancellation is all right.
+        // In quad precision, so that nothing is lost to cancellation; compose() allows for the last of its digits.
         const Quad s = k ? f.far : f.near, spread = f.perspective ? Quad(f.distance) + s : Quad(1);
         const Quad sx = Quad(f.left) + Quad(i ? f.tile_x1 : f.tile_x0) * Quad(f.across), sy = Quad(f.top) + Quad(j ? f.tile_y1 : f.tile_y0) * Quad(f.down);
         const Quad parts[] = {Quad(f.middle[axis]), sx * spread * Quad(f.right[axis]), sy * spread * Quad(f.up[axis]), s * Quad(f.forward[axis])};
         const std::size_t at = (i * 2 + j) * 2 + k;
         r.value[at] = static_cast<T>(parts[0] + parts[1] + parts[2] + parts[3]);
-        const double wide = (magnitude(s) + std::fabs(f.distance) + 1) * (1 + magnitude(f.left) + magnitude(f.top) + magnitude(sx) + magnitude(sy)) +
-                            glm::length(f.middle);
-        r.size[at] = magnitude(r.value[at]) + wide * (std::is_same_v<T, Quad> ? 1 : 0x1p-44);
+        r.size[at] = magnitude(r.value[at]);
       }
   return r;
 }
@@ -127,11 +144,11 @@ Tensor<T> coordinate(const Frustum& f, int axis) {
 template <class T>
 struct Whole {
   std::vector<T> value;
-  double error;
+  double error, largest;
 };
 
 template <class T>
-Whole<T> compose(const PolynomialPlan& plan, const Frustum& frustum, double unit) {
+Whole<T> compose(const PolynomialPlan& plan, const Frustum& frustum) {
   const Formula& formula = plan.formula();
   const std::size_t count = formula.f() + 1;
   std::vector<Tensor<T>> values(count);
@@ -157,7 +174,7 @@ Whole<T> compose(const PolynomialPlan& plan, const Frustum& frustum, double unit
   const std::size_t n = f.side();
   std::vector<double> binomial(n, 1);
   for (std::size_t i = 1; i < n; ++i) binomial[i] = binomial[i - 1] * static_cast<double>(n - i) / static_cast<double>(i);
-  Whole<T> whole{std::move(f.value), 0};
+  Whole<T> whole{std::move(f.value), 0, 0};
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t k = 0; k < n; ++k) {
@@ -168,7 +185,10 @@ Whole<T> compose(const PolynomialPlan& plan, const Frustum& frustum, double unit
       }
   if (!std::isfinite(whole.error))
     throw MethodError("the coefficients of the polynomial over the view leave the range of doubles; scale the formula, or use method=\"contract\"");
-  whole.error *= (f.depth + 8) * unit * 1.001;
+  whole.error *= (f.depth + 8) * kUnit<T> * 1.001;
+  for (const T& v : whole.value) whole.largest = std::max(whole.largest, magnitude(v));
+  // The corners of the frustum may be off by 1e-30 of its size.
+  whole.error += 1e-25 * whole.largest;
   return whole;
 }
 
@@ -233,20 +253,36 @@ struct Block {
   int first, last;        // depth, in parts of 2^-kMostDepthCuts
 };
 
+struct Leaf {
+  int tile;
+  Cells::Cell cell;
+};
+
+// What one thread has found.
+struct Found {
+  std::vector<Leaf> leaves;
+  std::vector<double> coefficients;
+  std::vector<bool> full;  // tiles all of whose rays have a root in a cell that stands already: nothing behind it is seen
+};
+
 template <class T>
 class Cutter {
  public:
-  Cutter(const Frustum& frustum, const Demand& demand, int degree, double unit)
-      : frustum_(frustum), demand_(demand), n_(static_cast<std::size_t>(degree) + 1), unit_(unit), grow_((4 * degree + 8) * unit), pool_(64),
-        full_(static_cast<std::size_t>(frustum.tile_y1 - frustum.tile_y0) * (frustum.tile_x1 - frustum.tile_x0), false),
+  using Next = std::function<void(const Block&, const std::vector<T>&, double)>;
+
+  // Hands over to `next`, where there is one, after kPreciseCuts cuts; `unit` is the rounding of T.
+  Cutter(const Frustum& frustum, const Demand& demand, int degree, double unit, Found& found, Next next = {})
+      : frustum_(frustum), demand_(demand), found_(found), next_(std::move(next)), n_(static_cast<std::size_t>(degree) + 1), unit_(unit),
+        grow_((4 * degree + 8) * unit), pool_(64),
         slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {}
 
-  struct Leaf {
-    int tile;
-    Cells::Cell cell;
-  };
-  std::vector<Leaf> leaves;
-  std::vector<double> coefficients;
+  // Whether nothing in the block can be seen.
+  bool hidden(const Block& b) const {
+    for (int y = b.y0; y < b.y1; ++y)
+      for (int x = b.x0; x < b.x1; ++x)
+        if (!found_.full[index(x, y)]) return false;
+    return true;
+  }
 
   // `form` over `block`; front to back within each tile.
   void run(const Block& block, std::vector<T>& form, double error, int level) {
@@ -258,6 +294,7 @@ class Cutter {
     if (static_cast<double>(lowest) > error || static_cast<double>(highest) < -error || hidden(block) || place(block) > 0) return;
     const double largest = std::max(magnitude(lowest), magnitude(highest));
     const int axis = longest(block, form, error, largest);
+    if (next_ && (axis < 0 || level == kPreciseCuts)) return next_(block, form, error);
     if (axis < 0) return emit(block, form, error, largest);
     std::vector<T>& second = pool_[level];
     Block a = block, b = block;
@@ -304,13 +341,6 @@ class Cutter {
     return in_balls && at(b.first) > -frustum_.distance && glm::all(glm::lessThan(high, frustum_.upper - slack_)) &&
                    glm::all(glm::greaterThan(low, frustum_.lower + slack_))
                ? -1 : 0;
-  }
-
-  bool hidden(const Block& b) const {
-    for (int y = b.y0; y < b.y1; ++y)
-      for (int x = b.x0; x < b.x1; ++x)
-        if (!full_[index(x, y)]) return false;
-    return true;
   }
 
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y - frustum_.tile_y0) * (frustum_.tile_x1 - frustum_.tile_x0) + (x - frustum_.tile_x0); }
@@ -369,42 +399,50 @@ class Cutter {
       above = above && first > error && last < -error;
       below = below && first < -error && last > error;
     }
-    if ((above || below) && place(b) < 0) full_[index(b.x0, b.y0)] = true;
-    leaves.push_back({b.y0 * 65536 + b.x0, {at(b.first), at(b.last), kept, coefficients.size()}});
-    for (const T& v : form) coefficients.push_back(static_cast<double>(v * T(scale)));
+    if ((above || below) && place(b) < 0) found_.full[index(b.x0, b.y0)] = true;
+    found_.leaves.push_back({b.y0 * 65536 + b.x0, {at(b.first), at(b.last), kept, found_.coefficients.size()}});
+    for (const T& v : form) found_.coefficients.push_back(static_cast<double>(v * T(scale)));
   }
 
   const Frustum& frustum_;
   Demand demand_;
+  Found& found_;
+  Next next_;
   std::size_t n_;
   double unit_, grow_;
   std::vector<std::vector<T>> pool_;
-  std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already: nothing behind it is seen
   double slack_;
 };
 
-template <class T, class From>
-Cells cut_up(const Frustum& f, const Demand& demand, int degree, const Whole<From>& whole, double unit) {
-  std::vector<T> form(whole.value.begin(), whole.value.end());
-  double largest = 0;
-  for (const T& v : form) largest = std::max(largest, magnitude(v));
-  const double error = whole.error + largest * unit;
+// Which arithmetics cut: First for the first cuts, Then for the rest; the same: one of them for all.
+template <class First, class Then>
+Cells cut_up(const Frustum& f, const Demand& demand, int degree, const Whole<First>& whole) {
   // Bands of tile rows, one thread each.
-  const int rows = f.tile_y1 - f.tile_y0;
+  const int rows = f.tile_y1 - f.tile_y0, columns = f.tile_x1 - f.tile_x0;
   const int bands = std::max(1, std::min(rows, static_cast<int>(std::thread::hardware_concurrency())));
-  std::vector<Cutter<T>> cutters;
-  for (int k = 0; k < bands; ++k) cutters.emplace_back(f, demand, degree, unit);
+  std::vector<Found> found(static_cast<std::size_t>(bands));
   const auto band = [&](int k) {
-    std::vector<T> mine = form, other;
+    found[k].full.assign(static_cast<std::size_t>(rows) * columns, false);
+    Cutter<Then> then(f, demand, degree, kUnit<Then>, found[k]);
+    typename Cutter<First>::Next next;
+    if (!std::is_same_v<First, Then>)
+      next = [&](const Block& block, const std::vector<First>& form, double error) {
+        std::vector<Then> rounded(form.begin(), form.end());
+        double largest = 0;
+        for (const Then& v : rounded) largest = std::max(largest, magnitude(v));
+        then.run(block, rounded, error + largest * kUnit<Then>, 0);
+      };
+    Cutter<First> first(f, demand, degree, kUnit<First>, found[k], std::move(next));
+    std::vector<First> mine = whole.value, other;
     const std::size_t n = static_cast<std::size_t>(degree) + 1;
     const int from = k * rows / bands, to = (k + 1) * rows / bands;
-    if (to < rows) cut(mine, other, n, 1, T(to) / T(rows));
+    if (to < rows) cut(mine, other, n, 1, First(to) / First(rows));
     if (from > 0) {
-      cut(mine, other, n, 1, T(from) / T(to));
+      cut(mine, other, n, 1, First(from) / First(to));
       std::swap(mine, other);
     }
-    cutters[k].run({f.tile_x0, f.tile_x1, f.tile_y0 + from, f.tile_y0 + to, 0, 1 << kMostDepthCuts}, mine,
-                   error + 2 * (4 * degree + 8) * unit * largest, 0);
+    first.run({f.tile_x0, f.tile_x1, f.tile_y0 + from, f.tile_y0 + to, 0, 1 << kMostDepthCuts}, mine,
+              whole.error + (2 * (4 * degree + 8) + 1) * kUnit<First> * whole.largest, 0);
   };
   std::vector<std::thread> threads;
   for (int k = 1; k < bands; ++k) threads.emplace_back(band, k);
@@ -413,18 +451,17 @@ Cells cut_up(const Frustum& f, const Demand& demand, int degree, const Whole<Fro
 
   Cells out;
   out.degree = degree;
-  const int columns = f.tile_x1 - f.tile_x0;
   out.begins.assign(static_cast<std::size_t>(rows) * columns + 1, 0);
   const auto index = [&](int tile) { return static_cast<std::size_t>(tile / 65536 - f.tile_y0) * columns + (tile % 65536 - f.tile_x0); };
   std::size_t total = 0;
-  for (const auto& c : cutters) {
+  for (const auto& c : found) {
     for (const auto& leaf : c.leaves) ++out.begins[index(leaf.tile) + 1];
     total += c.leaves.size();
   }
   for (std::size_t i = 1; i < out.begins.size(); ++i) out.begins[i] += out.begins[i - 1];
   std::vector<std::int32_t> next = out.begins;
   out.cells.resize(total);
-  for (auto& c : cutters) {
+  for (const auto& c : found) {
     const std::size_t base = out.coefficients.size();
     for (const auto& leaf : c.leaves) {
       Cells::Cell cell = leaf.cell;
@@ -440,8 +477,16 @@ Cells cut_up(const Frustum& f, const Demand& demand, int degree, const Whole<Fro
 
 Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum, const Demand& demand) {
   const int degree = plan.degree();
-  if (degree > kQuadDegree) return cut_up<long double>(frustum, demand, degree, compose<Quad>(plan, frustum, 0x1p-112), 0x1p-63);
-  return cut_up<double>(frustum, demand, degree, compose<long double>(plan, frustum, 0x1p-63), 0x1p-53);
+  const auto exact_enough = [&](const Cells& cells) {
+    std::size_t inexact = 0;
+    for (const auto& cell : cells.cells) inexact += cell.error > std::max(demand.rounding, kExactEnough);
+    return static_cast<double>(inexact) <= kInexactCells * static_cast<double>(cells.cells.size());
+  };
+  const Whole<long double> whole = compose<long double>(plan, frustum);
+  const Whole<double> rounded{{whole.value.begin(), whole.value.end()}, whole.error + whole.largest * kUnit<double>, whole.largest};
+  if (Cells cells = cut_up<double, double>(frustum, demand, degree, rounded); exact_enough(cells)) return cells;
+  if (Cells cells = cut_up<long double, double>(frustum, demand, degree, whole); exact_enough(cells)) return cells;
+  return cut_up<Quad, long double>(frustum, demand, degree, compose<Quad>(plan, frustum));
 }
 
 }  // namespace irt::numerics

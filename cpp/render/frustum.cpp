@@ -28,10 +28,10 @@ struct Screen {
   numerics::Frustum frustum;
 };
 
-// Pixels along the side of a tile: a multiple of the widest packet. Large degrees make few cells, small pictures small ones.
+// Pixels along the side of a tile: a multiple of the widest packet. Cells of large degrees are costly, small pictures have few pixels.
 int tile_of(const View& view, int degree) {
   const int size = std::max(view.columns, view.rows);
-  return degree > 10 ? (size > 512 ? 64 : 32) : size > 256 ? 32 : 16;
+  return size <= 256 ? 16 : degree > 10 && size > 512 ? 64 : 32;
 }
 
 // A number at or above v with ten bits.
@@ -339,6 +339,7 @@ Answer render_frustum(const Expr& f, const std::map<std::string, double>& parame
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
+  fprintf(stderr,"left %zu of %zu cells %zu prepare %.1f: ", open.size(), answer.escalated, cells.cells.size(),prepared*1e3); double worst=0; for (auto& c: cells.cells) worst=std::max(worst,c.error); fprintf(stderr,"worst error %g\n",worst);
   if (!open.empty()) {
     const Answer rest = resolve(f, parameters, view, bounds, options, device, open, answer.pitch);
     answer.prepare_seconds += rest.prepare_seconds;
