@@ -5,105 +5,10 @@
 //
 // tiles: where each tile's cells begin. slabs: for each cell s at its near end, its length, its error. form: [depth][down][across],
 // lines across padded to packets. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
-#define N (IRT_DEGREE + 1)
 #define LINE ((N + W - 1) / W * W)
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance
 #define ACROSS(i) (basis + 16 + (i) * IRT_TILE)
 #define SLOPE(i) (basis + 16 + (N + (i)) * IRT_TILE)
-
-// Pieces that each lane has looked at, where the call asks for them.
-#if IRT_PIECES
-#define COUNT(lanes) found->pieces -= (lanes);
-#else
-#define COUNT(lanes)
-#endif
-
-// Rounding of one cut by de Casteljau (at most three halves of an ulp of the largest coefficient a round), of a restriction (two
-// cuts), and of an evaluation, in parts of the largest coefficient of the ray.
-#if IRT_OUTWARD
-#define CUT_ERROR (R(1.5) * N * ULP)
-#define VALUE_ERROR (R(1.5) * N * ULP)
-#else
-#define CUT_ERROR R(0.0)
-#define VALUE_ERROR R(0.0)
-#endif
-
-// What has been found in a cell, in its own units: 0 at its near end, 1 at its far end.
-typedef struct {
-  I hits, open;
-  F lo, hi;  // of hits
-#if IRT_PIECES
-  I pieces;
-#endif
-} FOUND;
-
-// The task within a cell: the coefficients over all of it, and the part that counts.
-typedef struct {
-  F c[N];
-  F error, size;     // of any, and of the largest
-  F lo, hi;          // outside, nothing counts
-  F in_lo, in_hi;    // a bracket lies within
-  F reach;           // of the bracket that is wanted, half
-} CELL;
-
-static inline F mixed(F a, F b, F share) { return fma(share, b - a, a); }
-
-static inline F value_at(const F* c, int degree, F u) {
-  const F v = R(1.0) - u;
-  F sum = c[0], power = (F)1;
-  real binomial = R(1.0);
-  for (int i = 1; i <= degree; ++i) {
-    binomial = binomial * (real)(degree - i + 1) / (real)i;
-    power *= u;
-    sum = fma(sum, v, binomial * power * c[i]);
-  }
-  return sum;
-}
-
-static inline I one_sign(const F* c, F error) {
-  F low = c[0], high = c[0];
-  for (int k = 1; k < N; ++k) {
-    low = min(low, c[k]);
-    high = max(high, c[k]);
-  }
-  return GT(low, error) | LT(high, -error);
-}
-
-// c over [lo, hi] of its range.
-static inline void restrict_to(F* c, F lo, F hi) {
-  for (int n = N - 1; n > 0; --n)
-    for (int i = 0; i < n; ++i) c[i] = mixed(c[i], c[i + 1], lo);
-  const F share = (hi - lo) / max(R(1.0) - lo, (F)TINY);
-  for (int n = 1; n < N; ++n)
-    for (int i = N - 1; i >= n; --i) c[i] = mixed(c[i - 1], c[i], share);
-}
-
-// Exactly one root and simple: signs change once, whatever the one coefficient is that may not be told from zero.
-static inline I one_root(const F* c, F error, F sign) {
-  I other = NONE, doubtful = NONE, bad = LE(sign * c[0], error);
-  for (int k = 1; k < N; ++k) {
-    const F v = sign * c[k];
-    const I is_other = LT(v, -error), is_same = GT(v, error);
-    bad |= ~is_other & (other | doubtful);
-    doubtful |= ~(is_other | is_same);
-    other |= is_other;
-  }
-  return other & ~bad;
-}
-
-static inline F largest_of(const F* c) {
-  F size = fabs(c[0]);
-  for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
-  return size;
-}
-
-static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found);
-
-// Whether the polynomial changes its sign between lo and hi, beyond all error.
-static inline I brackets(const CELL* cell, F lo, F hi, F sign) {
-  const F bound = fma((F)VALUE_ERROR, cell->size, cell->error);
-  return GT(sign * value_at(cell->c, IRT_DEGREE, lo), bound) & LT(sign * value_at(cell->c, IRT_DEGREE, hi), -bound);
-}
 
 // Coefficients along the rays of a packet: lines across are contracted with the row, once for all lanes, then with the columns.
 static inline void contract_form(__global const real* form, __global const real* basis, int column, int row, __global const real* across,
@@ -164,8 +69,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     search_cell(&cell, open, max_pieces, &found);
     if (!ANY(found.hits | found.open)) continue;
     const I ended = found.hits | found.open;
-    const F middle = SELECT(found.hits, R(0.5) * (found.lo + found.hi), found.lo), s = fma(middle, (F)length, (F)near);
-    root.status = SELECT(found.hits, HIT, SELECT(found.open, IRT_OUTWARD ? UNRESOLVED : TOUCH, root.status));
+    const F middle = place_of(&found), s = fma(middle, (F)length, (F)near);
+    root.status = SELECT(ended, status_of(&found), root.status);
     at = SELECT(ended, middle, at);
     at_near = SELECT(ended, (F)near, at_near);
     at_length = SELECT(ended, (F)length, at_length);

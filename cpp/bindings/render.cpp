@@ -194,11 +194,14 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   const auto origins = get<DoubleArray>(request, "origins"), directions = get<DoubleArray>(request, "directions");
   const auto tmin = get<DoubleArray>(request, "tmin"), tmax = get<DoubleArray>(request, "tmax");
   const render::Rays rays{origins.data(), directions.data(), tmin.data(), tmax.data(), static_cast<std::size_t>(tmin.size())};
+  const Expr level = level_of(f, request);
+  const auto parameters = get<std::map<std::string, double>>(request, "params");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = render::trace_rays(program, rays, bounds, options, *device);
+    answer = options.finder.empty() ? render::trace_rays(program, rays, bounds, options, *device)
+                                    : render::trace_frustum(level, parameters, rays, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
@@ -226,7 +229,9 @@ py::array_t<double> enclose_pieces(const Expr& f, const py::dict& request) {
 std::string kernel_source(const Expr& f, const py::dict& request) {
   const program::Program program = program_of(f, request);
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
-  return render::frame_source(program, bounds_of(request), picture_options(request, program), *device);
+  const render::Options options = picture_options(request, program);
+  return options.finder.empty() ? render::frame_source(program, bounds_of(request), options, *device)
+                                : render::frustum_source(level_of(f, request), get<std::map<std::string, double>>(request, "params"), bounds_of(request), options, *device);
 }
 
 }  // namespace

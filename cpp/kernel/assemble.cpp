@@ -136,15 +136,16 @@ std::string joined(std::string text, std::initializer_list<const char*> files) {
 }  // namespace
 
 std::string assemble_frustum(const Spec& spec) {
-  const bool gradient = spec.normal || spec.rgb;
+  const bool gradient = spec.normal || spec.rgb, rays = spec.entry == Entry::RayList;
   const std::string file = fmt::format("frustum_{}.cl", spec.finder);
   std::string text = prelude(spec) +
       fmt::format("#define IRT_DEGREE {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n", spec.degree, spec.tile, gradient ? 1 : 0) +
-      "#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, __global const real *basis, "
+      (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
+                          "#define FINDER_PASS , column, row, rays_form, stride, reach_s\n") : std::string("#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, __global const real *basis, "
       "const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows\n"
-      "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n"
-      "#define FINDER_PASS , column, row, tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n";
-  text = joined(text, {"packet.cl", "scene.cl", "ray_camera.cl", "clip.cl", "frustum_cells.cl"});
+      "#define FINDER_PASS , column, row, tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n")) +
+      "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
+  text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl", rays ? "frustum_rays.cl" : "frustum_cells.cl"});
   const bool knots = spec.finder.starts_with("mr");
   text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
   if (spec.rgb) text = joined(text, {"shade.cl"});

@@ -499,6 +499,12 @@ std::vector<T> PolynomialPlan::along(const Ray& ray, double t0, double t1, const
   return std::move(values.back());
 }
 
+std::vector<Interval> PolynomialPlan::coefficients(const Ray& ray, double t0, double t1) const {
+  std::vector<Interval> c = along(ray, t0, t1, in_double_);
+  to_bernstein(c);
+  return c;
+}
+
 Root PolynomialPlan::first_root(const Ray& ray, const Clip& clip) const {
   const Range range = around(clip);
   Root root = search(along(ray, range.t0, range.t1, in_double_), range, clip, Arithmetic::dbl);

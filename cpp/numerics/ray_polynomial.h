@@ -39,6 +39,9 @@ class PolynomialPlan {
   // The first root in the clip, wherever the arithmetic can prove it. Past an undecided piece nothing is looked at.
   Root first_root(const Ray& ray, const Clip& clip) const;
 
+  // Bernstein coefficients of f over t in [t0, t1] of a ray.
+  std::vector<Interval> coefficients(const Ray& ray, double t0, double t1) const;
+
   const Formula& formula() const { return *formula_; }
   int degree() const { return degree_.back(); }
   int degree(std::size_t step) const { return degree_[step]; }

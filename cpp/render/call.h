@@ -101,6 +101,13 @@ Answer render_frame(const program::Program& program, const View& view, const Bou
 Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
                       const Options& options, device::Device& device);
 
+Answer trace_frustum(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, const Bounds& bounds,
+                     const Options& options, device::Device& device);
+
+// The source of the kernel that render_frustum would run at 640 x 480.
+std::string frustum_source(const Expr& f, const std::map<std::string, double>& parameters, const Bounds& bounds, const Options& options,
+                           const device::Device& device);
+
 Answer trace_rays(const program::Program& program, const Rays& rays, const Bounds& bounds, const Options& options,
                   device::Device& device);
 

@@ -12,7 +12,7 @@
 #include "numerics/frustum_form.h"
 #include "numerics/reference.h"
 #include "render/camera_terms.h"
-#include "render/launch.h"
+#include "render/ray_terms.h"
 
 namespace irt::render {
 namespace {
@@ -173,6 +173,43 @@ kernel::Spec spec_of(const Options& options, const device::Device& device, Preci
   return spec;
 }
 
+numerics::Query query_of(const std::map<std::string, double>& parameters, const Bounds& bounds, const Options& options) {
+  numerics::Query query{bounds.lower, bounds.upper, {}, parameters, [&options](double) {
+    return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
+  }};
+  for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
+  return query;
+}
+
+// The gradient of f at points, in double.
+std::array<std::vector<double>, 3> gradients(const Expr& f, const std::map<std::string, double>& parameters, const std::array<std::vector<double>, 3>& points) {
+  const char* names[] = {"x", "y", "z"};
+  const std::size_t count = points[0].size();
+  std::array<std::vector<double>, 3> out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Tape tape(differentiate(f, names[axis]));
+    std::vector<std::vector<double>> inputs;
+    for (const std::string& name : tape.symbols()) {
+      const int of = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
+      inputs.push_back(of >= 0 ? points[of] : std::vector<double>(count, parameters.at(name)));
+    }
+    std::vector<const double*> pointers;
+    for (const auto& v : inputs) pointers.push_back(v.data());
+    out[axis].resize(count);
+    tape.run(pointers, out[axis].data(), count);
+  }
+  return out;
+}
+
+// The formula as a polynomial of a degree that forms are made of.
+numerics::PolynomialPlan plan_of(const numerics::Formula& formula) {
+  auto plan = numerics::PolynomialPlan::of(formula);
+  if (!plan || plan->degree() > limits::kFrustumDegree)
+    throw MethodError(fmt::format("the frustum form is for polynomials in x, y, z of degree 1 to {}, and this formula is {}; \"contract\", \"raa\" and "
+                                  "\"ia\" draw every formula", limits::kFrustumDegree, plan ? fmt::format("of degree {}", plan->degree()) : "none"));
+  return std::move(*plan);
+}
+
 // The pixels `open` by the reference, shaded by a kernel that only looks up what was found.
 Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds, const Options& options,
                device::Device& device, const std::vector<std::size_t>& open, std::size_t pitch) {
@@ -192,11 +229,7 @@ Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, c
       rays.push_back({view.origin + sx * view.right + sy * view.up, view.forward});
     }
   }
-  numerics::Query query{bounds.lower, bounds.upper, {}, parameters, [&](double) {
-    return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
-  }};
-  for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
-  const std::vector<numerics::Root> roots = numerics::reference(f, rays, tmin.data(), tmax.data(), query);
+  const std::vector<numerics::Root> roots = numerics::reference(f, rays, tmin.data(), tmax.data(), query_of(parameters, bounds, options));
 
   kernel::Spec spec = spec_of(options, device, Precision::Double, 0, 0);
   spec.entry = kernel::Entry::PixelList;
@@ -219,20 +252,9 @@ Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, c
     for (int axis = 0; axis < 3; ++axis) points[axis].push_back(rays[m].origin[axis] + (found ? t : 0) * rays[m].direction[axis]);
   }
   if (options.normal || options.rgb) {
-    const char* names[] = {"x", "y", "z"};
-    std::vector<double> values(stride);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Tape tape(differentiate(f, names[axis]));
-      std::vector<std::vector<double>> inputs;
-      for (const std::string& name : tape.symbols()) {
-        const int of = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
-        inputs.push_back(of >= 0 ? points[of] : std::vector<double>(stride, parameters.at(name)));
-      }
-      std::vector<const double*> pointers;
-      for (const auto& v : inputs) pointers.push_back(v.data());
-      tape.run(pointers, values.data(), stride);
-      for (std::size_t k = 0; k < stride; ++k) given.set((3 + axis) * stride + k, values[k]);
-    }
+    const auto gradient = gradients(f, parameters, points);
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < stride; ++k) given.set((3 + axis) * stride + k, gradient[axis][k]);
   }
   answer.prepare_seconds = seconds_since(start);
   const Reals settings = scene_settings(bounds, options, spec.precision, terms.pad, -terms.tau);
@@ -310,19 +332,37 @@ Answer picked(const Answer& frame, const std::vector<std::size_t>& which, const 
   return part;
 }
 
+// Unit normals towards the viewer where there is a root; nan elsewhere.
+void add_normals(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, Answer& answer) {
+  std::array<std::vector<double>, 3> points;
+  const auto depth = [&](std::size_t i) { return answer.wide ? answer.depth->as<double>()[i] : static_cast<double>(answer.depth->as<float>()[i]); };
+  for (std::size_t i = 0; i < rays.count; ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      points[axis].push_back(rays.origins[3 * i + axis] + (std::isfinite(depth(i)) ? depth(i) : 0) * rays.directions[3 * i + axis]);
+  const auto g = gradients(f, parameters, points);
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    const unsigned char status = answer.status->as<unsigned char>()[i];
+    glm::dvec3 v(g[0][i], g[1][i], g[2][i]);
+    const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+    const bool good = (status == 1 || status == 2) && largest > 0 && std::isfinite(largest);
+    if (good) v = glm::normalize(v / largest);
+    const double* d = rays.directions + 3 * i;
+    if (v.x * d[0] + v.y * d[1] + v.z * d[2] > 0) v = -v;
+    for (int axis = 0; axis < 3; ++axis)
+      answer.normal->as<float>()[axis * answer.pitch + i] = good ? static_cast<float>(v[axis]) : std::nanf("");
+  }
+}
+
 }  // namespace
 
 Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
                       const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
   const numerics::Formula formula(f, parameters);
-  const auto plan = numerics::PolynomialPlan::of(formula);
-  if (!plan || plan->degree() > limits::kFrustumDegree)
-    throw MethodError(fmt::format("the frustum form is for polynomials in x, y, z of degree 1 to {}, and this formula is {}; \"contract\", \"raa\" and "
-                                  "\"ia\" draw every formula", limits::kFrustumDegree, plan ? fmt::format("of degree {}", plan->degree()) : "none"));
+  const numerics::PolynomialPlan plan = plan_of(formula);
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
-  const Screen screen = screen_of(view, bounds, plan->degree());
-  const numerics::Cells cells = numerics::cells_of(*plan, screen.frustum, {rounding_of(plan->degree(), first), options.eps});
+  const Screen screen = screen_of(view, bounds, plan.degree());
+  const numerics::Cells cells = numerics::cells_of(plan, screen.frustum, {rounding_of(plan.degree(), first), options.eps});
   const double prepared = seconds_since(start);
   Answer answer = pass(cells, screen, view, bounds, options, device, first);
   answer.prepare_seconds += prepared;
@@ -339,13 +379,91 @@ Answer render_frustum(const Expr& f, const std::map<std::string, double>& parame
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
-  fprintf(stderr,"left %zu of %zu cells %zu prepare %.1f: ", open.size(), answer.escalated, cells.cells.size(),prepared*1e3); double worst=0; for (auto& c: cells.cells) worst=std::max(worst,c.error); fprintf(stderr,"worst error %g\n",worst);
   if (!open.empty()) {
     const Answer rest = resolve(f, parameters, view, bounds, options, device, open, answer.pitch);
     answer.prepare_seconds += rest.prepare_seconds;
     scatter(answer, rest, open);
   }
   return answer;
+}
+
+Answer trace_frustum(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, const Bounds& bounds,
+                     const Options& options, device::Device& device) {
+  const auto start = std::chrono::steady_clock::now();
+  const numerics::Formula formula(f, parameters);
+  const numerics::PolynomialPlan plan = plan_of(formula);
+  const std::size_t n = static_cast<std::size_t>(plan.degree()) + 1, count = rays.count;
+  const Precision precision = options.precision == PrecisionMode::Single || !device.info().fp64 ? Precision::Single : Precision::Double;
+  if (count == 0) return make_answer(0, 1, packet_width(device, precision), precision, options);
+  kernel::Spec spec = spec_of(options, device, precision, plan.degree(), 0);
+  spec.entry = kernel::Entry::RayList;
+  spec.spheres = static_cast<int>(bounds.balls.size());
+  Answer answer = make_answer(count, 1, spec.width, precision, options);
+  const std::size_t stride = answer.pitch;
+  const RayTerms terms = make_terms(rays, nullptr, count, stride, bounds, precision, spec.split);
+  const double size = coarse(reach(bounds) * 1.001);
+  const auto vector = [](const double* p) { return glm::dvec3(p[0], p[1], p[2]); };
+  Reals form(precision, (n + 1) * stride);
+  const double rounding = precision == Precision::Double ? 0x1p-52 : 0x1p-23;
+  for (std::size_t k = 0; k < stride; ++k) {
+    const std::size_t i = std::min(k, count - 1);
+    const long double nearest = terms.nearest[k], scale = terms.scale[k];
+    const auto c = plan.coefficients({vector(rays.origins + 3 * i), vector(rays.directions + 3 * i)}, static_cast<double>((nearest - size) * scale),
+                                     static_cast<double>((nearest + size) * scale));
+    // Scaled so that the largest lies in [1, 2): any size fits.
+    double largest = 0, error = 0;
+    for (const auto& v : c) largest = std::max({largest, std::fabs(v.lo), std::fabs(v.hi)});
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    for (std::size_t m = 0; m < n; ++m) {
+      const double middle = 0.5 * c[m].lo + 0.5 * c[m].hi;
+      form.set(m * stride + k, std::ldexp(middle, 1 - exponent));
+      error = std::max(error, std::ldexp(0.5 * c[m].hi - 0.5 * c[m].lo, 1 - exponent));
+    }
+    form.set_above(n * stride + k, std::isfinite(largest) ? error + 2 * rounding : HUGE_VAL);
+  }
+  answer.prepare_seconds = seconds_since(start);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, 0);
+  const auto list = terms.terms.buffer(device), values = form.buffer(device);
+  const device::Arg half = precision == Precision::Double ? device::Arg(size) : device::Arg(static_cast<float>(size));
+  launch(kernel::assemble_frustum(spec), spec, {list.get(), static_cast<std::int32_t>(stride)}, settings,
+         {values.get(), static_cast<std::int32_t>(stride), half}, options, device, answer);
+  if (answer.outcome != device::Outcome::done) return answer;
+  if (precision == Precision::Double && options.outward) {
+    const std::vector<std::size_t> open = undecided(answer, options);
+    std::vector<numerics::Ray> left;
+    std::vector<double> tmin, tmax;
+    for (const std::size_t i : open) {
+      left.push_back({vector(rays.origins + 3 * i), vector(rays.directions + 3 * i)});
+      tmin.push_back(rays.tmin[i]);
+      tmax.push_back(rays.tmax[i]);
+    }
+    const std::vector<numerics::Root> roots = numerics::reference(f, left, tmin.data(), tmax.data(), query_of(parameters, bounds, options));
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      const numerics::Root& root = roots[k];
+      const bool found = root.kind == numerics::Kind::hit || root.kind == numerics::Kind::touch;
+      const double middle = found ? 0.5 * (root.lo + root.hi) : root.kind == numerics::Kind::miss ? HUGE_VAL : root.lo;
+      answer.status->as<unsigned char>()[open[k]] = static_cast<unsigned char>(root.kind);
+      answer.depth->as<double>()[open[k]] = middle;
+      answer.uncertainty->as<double>()[open[k]] = root.kind == numerics::Kind::hit ? std::max(root.hi - middle, middle - root.lo) * (1 + 0x1p-50) : std::nan("");
+    }
+    answer.escalated += open.size();
+  }
+  if (answer.normal) add_normals(f, parameters, rays, answer);
+  return answer;
+}
+
+std::string frustum_source(const Expr& f, const std::map<std::string, double>& parameters, const Bounds& bounds, const Options& options,
+                           const device::Device& device) {
+  const numerics::Formula formula(f, parameters);
+  const int degree = plan_of(formula).degree();
+  View view;
+  view.columns = 640;
+  view.rows = 480;
+  const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
+  kernel::Spec spec = spec_of(options, device, precision, degree, tile_of(view, degree));
+  spec.spheres = static_cast<int>(bounds.balls.size());
+  return kernel::assemble_frustum(spec);
 }
 
 }  // namespace irt::render

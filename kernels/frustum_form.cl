@@ -1,0 +1,101 @@
+// What the root finders of S2 share: a polynomial along each ray of a packet, in Bernstein form over a part of the ray, with one bound of the
+// error of its coefficients. A sign counts only beyond it.
+#define N (IRT_DEGREE + 1)
+
+// Pieces that each lane has looked at, where the call asks for them.
+#if IRT_PIECES
+#define COUNT(lanes) found->pieces -= (lanes);
+#else
+#define COUNT(lanes)
+#endif
+
+// Rounding of one cut by de Casteljau (at most three halves of an ulp of the largest coefficient a round), of a restriction (two
+// cuts), and of an evaluation, in parts of the largest coefficient of the ray.
+#if IRT_OUTWARD
+#define CUT_ERROR (R(1.5) * N * ULP)
+#define VALUE_ERROR (R(1.5) * N * ULP)
+#else
+#define CUT_ERROR R(0.0)
+#define VALUE_ERROR R(0.0)
+#endif
+
+// What has been found in a cell, in its own units: 0 at its near end, 1 at its far end.
+typedef struct {
+  I hits, open;
+  F lo, hi;  // of hits
+#if IRT_PIECES
+  I pieces;
+#endif
+} FOUND;
+
+// The task within a cell: the coefficients over all of it, and the part that counts.
+typedef struct {
+  F c[N];
+  F error, size;     // of any, and of the largest
+  F lo, hi;          // outside, nothing counts
+  F in_lo, in_hi;    // a bracket lies within
+  F reach;           // of the bracket that is wanted, half
+} CELL;
+
+static inline F mixed(F a, F b, F share) { return fma(share, b - a, a); }
+
+static inline F value_at(const F* c, int degree, F u) {
+  const F v = R(1.0) - u;
+  F sum = c[0], power = (F)1;
+  real binomial = R(1.0);
+  for (int i = 1; i <= degree; ++i) {
+    binomial = binomial * (real)(degree - i + 1) / (real)i;
+    power *= u;
+    sum = fma(sum, v, binomial * power * c[i]);
+  }
+  return sum;
+}
+
+static inline I one_sign(const F* c, F error) {
+  F low = c[0], high = c[0];
+  for (int k = 1; k < N; ++k) {
+    low = min(low, c[k]);
+    high = max(high, c[k]);
+  }
+  return GT(low, error) | LT(high, -error);
+}
+
+// c over [lo, hi] of its range.
+static inline void restrict_to(F* c, F lo, F hi) {
+  for (int n = N - 1; n > 0; --n)
+    for (int i = 0; i < n; ++i) c[i] = mixed(c[i], c[i + 1], lo);
+  const F share = (hi - lo) / max(R(1.0) - lo, (F)TINY);
+  for (int n = 1; n < N; ++n)
+    for (int i = N - 1; i >= n; --i) c[i] = mixed(c[i - 1], c[i], share);
+}
+
+// Exactly one root and simple: signs change once, whatever the one coefficient is that may not be told from zero.
+static inline I one_root(const F* c, F error, F sign) {
+  I other = NONE, doubtful = NONE, bad = LE(sign * c[0], error);
+  for (int k = 1; k < N; ++k) {
+    const F v = sign * c[k];
+    const I is_other = LT(v, -error), is_same = GT(v, error);
+    bad |= ~is_other & (other | doubtful);
+    doubtful |= ~(is_other | is_same);
+    other |= is_other;
+  }
+  return other & ~bad;
+}
+
+static inline F largest_of(const F* c) {
+  F size = fabs(c[0]);
+  for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
+  return size;
+}
+
+static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found);
+
+// Whether the polynomial changes its sign between lo and hi, beyond all error.
+static inline I brackets(const CELL* cell, F lo, F hi, F sign) {
+  const F bound = fma((F)VALUE_ERROR, cell->size, cell->error);
+  return GT(sign * value_at(cell->c, IRT_DEGREE, lo), bound) & LT(sign * value_at(cell->c, IRT_DEGREE, hi), -bound);
+}
+
+// What a search has found, for ROOT: a status, and the place within the part, 0 to 1.
+static inline I status_of(const FOUND* found) { return SELECT(found->hits, HIT, SELECT(found->open, IRT_OUTWARD ? UNRESOLVED : TOUCH, MISS)); }
+static inline F place_of(const FOUND* found) { return SELECT(found->hits, R(0.5) * (found->lo + found->hi), found->lo); }
