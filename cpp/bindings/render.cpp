@@ -33,9 +33,11 @@ glm::dvec3 vector(py::handle h) {
 }
 
 render::Bounds bounds_of(const py::dict& request) {
-  render::Bounds b{vector(request["lower"]), vector(request["upper"]), {}};
+  render::Bounds b{vector(request["lower"]), vector(request["upper"]), {}, {}};
   for (const auto& s : get<std::vector<std::array<double, 4>>>(request, "spheres"))
     b.balls.push_back({{s[0], s[1], s[2]}, s[3]});
+  for (const auto& h : get<std::vector<std::array<double, 4>>>(request, "half_spaces"))
+    b.half_spaces.push_back({{h[0], h[1], h[2]}, h[3]});
   return b;
 }
 
@@ -87,7 +89,10 @@ render::Options options_of(const py::dict& request, const program::Program& prog
 }
 
 program::Program program_of(const Expr& f, const py::dict& request) {
-  return program::lower(f, request.contains("isovalue") && !request["isovalue"].is_none());
+  const bool isovalue = request.contains("isovalue") && !request["isovalue"].is_none();
+  if (!request.contains("clip") || request["clip"].is_none()) return program::lower(f, isovalue);
+  const Expr g = get<Expr>(request, "clip");
+  return program::lower(f, isovalue, &g);
 }
 
 render::Options picture_options(const py::dict& request, const program::Program& program) {

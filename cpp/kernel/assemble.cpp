@@ -35,6 +35,7 @@ std::string prelude(const Spec& spec) {
   if (spec.entry != Entry::Enclose) {
     define("IRT_LIST", spec.entry == Entry::PixelList);
     define("IRT_SPHERES", spec.spheres);
+    define("IRT_HALF_SPACES", spec.half_spaces);
     define("IRT_NORMAL", spec.normal);
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
@@ -70,6 +71,12 @@ std::string parameters_of(const program::Program& program, const Spec& spec) {
   text += program.inputs() > 0 ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
                                : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
   text += "#define ARGUMENTS PARAMETERS\n#define FINDER_PASS PARAMETERS_PASS\n";
+  text += fmt::format("#define IRT_CLIP {}\n", program.clip >= 0 ? 1 : 0);
+  // What a clip formula tells of a piece of ray; without one everything is inside.
+  text += program.clip >= 0 ? "#define REGION_PARAMETERS , I* outside, I* inside\n#define REGION_PASS , outside, inside\n"
+                              "#define REGION_OUT , &outside, &inside\n#define REGION_VARIABLES I outside, inside;\n"
+                            : "#define REGION_PARAMETERS\n#define REGION_PASS\n#define REGION_OUT\n"
+                              "#define REGION_VARIABLES const I outside = NONE, inside = ALL;\n";
   for (std::size_t i = 0; i < program.parameters.size(); ++i)
     text += fmt::format("// p[{}], p[{}]: bounds of {}\n", 2 * i, 2 * i + 1,
                         identifier(program.parameters[i]) ? program.parameters[i] : "a parameter");

@@ -20,6 +20,7 @@ struct Spec {
   bool split = false;    // rays are set up in double and carried as pairs of floats; needs fp64
   bool infinite = true;  // intermediate values may be infinite (program::magnitude)
   int spheres = 0;       // balls among the bounds
+  int half_spaces = 0;   // and half-spaces
   bool normal = false;
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray

@@ -24,9 +24,16 @@ struct Ball {
   double radius;
 };
 
+// The side n . p <= offset; the largest of |n| lies in [1, 2).
+struct HalfSpace {
+  glm::dvec3 normal;
+  double offset;
+};
+
 struct Bounds {
   glm::dvec3 lower, upper;
   std::vector<Ball> balls;
+  std::vector<HalfSpace> half_spaces;
 
   glm::dvec3 center() const { return 0.5 * (lower + upper); }
 };

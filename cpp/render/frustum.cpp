@@ -192,10 +192,11 @@ Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, c
       rays.push_back({view.origin + sx * view.right + sy * view.up, view.forward});
     }
   }
-  numerics::Query query{bounds.lower, bounds.upper, {}, parameters, [&](double) {
+  numerics::Query query{bounds.lower, bounds.upper, {}, {}, {}, parameters, [&](double) {
     return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
   }};
   for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
+  for (const HalfSpace& h : bounds.half_spaces) query.half_spaces.push_back({h.normal, h.offset});
   const std::vector<numerics::Root> roots = numerics::reference(f, rays, tmin.data(), tmax.data(), query);
 
   kernel::Spec spec = spec_of(options, device, Precision::Double, 0, 0);
@@ -253,6 +254,7 @@ Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view
   kernel::Spec spec = spec_of(options, device, precision, cells.degree, screen.tile);
   spec.entry = kernel::Entry::Camera;
   spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = make_answer(view.columns, view.rows, spec.width, precision, options);

@@ -144,7 +144,7 @@ double reach(const Bounds& bounds) { return 0.5 * glm::length(bounds.upper - bou
 
 Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
                      double near) {
-  Reals q(precision, kSettings + 4 * bounds.balls.size());
+  Reals q(precision, kSettings + 4 * (bounds.balls.size() + bounds.half_spaces.size()));
   for (int k = 0; k < 3; ++k) {
     q.set(k, bounds.lower[k]);
     q.set(3 + k, bounds.upper[k]);
@@ -162,6 +162,11 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
     for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
     q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);
+  }
+  const std::size_t after = kSettings + 4 * bounds.balls.size();
+  for (std::size_t i = 0; i < bounds.half_spaces.size(); ++i) {
+    for (int k = 0; k < 3; ++k) q.set(after + 4 * i + k, bounds.half_spaces[i].normal[k]);
+    q.set(after + 4 * i + 3, bounds.half_spaces[i].offset);
   }
   return q;
 }

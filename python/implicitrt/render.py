@@ -179,15 +179,26 @@ def _finite(value: Any, what: str) -> float:
     return number
 
 
-def request_parameters(f: Any, expr: Expr, params: Mapping[str, float] | None) -> dict[str, float]:
+def request_parameters(
+    f: Any, expr: Expr, params: Mapping[str, float] | None, bounds: Bounds | None = None
+) -> dict[str, float]:
+    """A checked value for each parameter of the formula and of the bounds' clips."""
     if params is not None and not isinstance(params, Mapping):
         raise ArgumentError(f"params must be a mapping of names to numbers, not {params!r}")
-    names = sorted({s.name for s in expr.free_symbols} - {"x", "y", "z"})
+    names = parameter_names(expr, bounds)
     defaults = dict(f.params) if isinstance(f, NamedSurface) else {}
     given = {str(k): v for k, v in (params or {}).items()}
     values = defaults | given
     check_parameter_names(names, values)
     return {k: _finite(v, f"the parameter '{k}'") for k, v in values.items()}
+
+
+def parameter_names(expr: Expr, bounds: Bounds | None) -> list[str]:
+    """Symbols of the formula and of the bounds' clips, other than x, y, z; sorted."""
+    symbols = set(expr.free_symbols)
+    for c in bounds.clips if bounds else ():
+        symbols |= c.g.free_symbols
+    return sorted({s.name for s in symbols} - {"x", "y", "z"})
 
 
 def _color(value: Any, what: str) -> tuple[float, float, float]:
@@ -252,16 +263,13 @@ def _common(
         "precision": _one_of(precision, "precision", ("auto", "single", "double")),
         "rounding": _one_of(rounding, "rounding", ("outward", "fast")),
         "eps": bounds.default_eps if eps is None else _positive(eps, "eps"),
-        "params": request_parameters(f, expr, params),
+        "params": request_parameters(f, expr, params, bounds),
         "isovalue": None if isovalue is None else _finite(isovalue, "isovalue"),
-        "lower": bounds.lower,
-        "upper": bounds.upper,
-        "spheres": [(*s.center, s.radius) for s in bounds.spheres],
         "max_pieces": int(max_pieces or 0),
         "time_limit": None if time_limit is None else _positive(time_limit, "time_limit"),
         "progress": progress,
         "device": open_device(device),
-    }
+    } | bounds.request()
     return request, reason
 
 
@@ -312,13 +320,14 @@ def render(
     Args:
         f: a formula (Expr, string, SymPy object) or a named surface.
         bounds: where surface counts: r for the cube [-r, r]^3, a box ((x0, x1), (y0, y1), (z0, z1)),
-            `Sphere`, or a list of them. Default: the named surface's, else 2.
+            `Sphere`, or a list of them, which may hold `HalfSpace` and `Clip` as well: their
+            intersection. Clipped surfaces are open, not capped. Default: the named surface's, else 2.
         camera: `Camera`; default: the named surface's, else one with the bounds in view.
         size: (width, height) in pixels.
         method: a name of `methods()`, or a `Bisection`.
         eps: the width that a hit's bracket is to reach, in units of distance. Default: a thousandth
             of half the largest side of the bounds.
-        params: values of the formula's parameters. Changing them compiles nothing.
+        params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing.
         device: part of a device's or driver's name; default: IMPLICITRT_DEVICE, else the best.
         precision: "single", "double", or "auto": single, and double where single cannot reach eps.
         rounding: "outward": every step is rounded so that MISS and HIT are proven; "fast": none is.
@@ -667,8 +676,7 @@ def kernel_source(
     """The OpenCL C that `render` would run, readable; parameters need no values for it."""
     expr = sympify(f)
     region = request_region(f, bounds)
-    names = {s.name for s in expr.free_symbols} - {"x", "y", "z"}
-    values = {n: 1.0 for n in names} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
+    values = {n: 1.0 for n in parameter_names(expr, region)} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
     request, _ = _common(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None)
     black = (0.0, 0.0, 0.0)
     request |= {
