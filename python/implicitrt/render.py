@@ -15,7 +15,7 @@ from implicitrt import _core
 from implicitrt.bounds import Bounds
 from implicitrt.camera import Camera
 from implicitrt.devices import open_device
-from implicitrt.errors import ArgumentError, LimitError
+from implicitrt.errors import ArgumentError, LimitError, MethodError
 from implicitrt.expression import Expr, ExprLike, check_parameter_names, sympify
 from implicitrt.frame import Frame, Hits, Stats, Status
 from implicitrt.surfaces import NamedSurface
@@ -122,6 +122,9 @@ def _choose(expr: Expr) -> tuple[str, str]:
         return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
     return "contract", "it is curved, and affine forms tell along the ray where zeros may lie"
 
+
+# Methods whose root finder asks the clip formula; see REGION_VARIABLES in kernels/contract.cl.
+_CLIPPING = frozenset({"ia", "raa", "contract"})
 
 _CURVED = frozenset({
     "Pow", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "cbrt",
@@ -254,6 +257,10 @@ def _common(
 ) -> tuple[dict[str, Any], str]:  # fmt: skip
     """The part of a request that render and trace share, and why its method was chosen."""
     name, reason = _resolve(method, expr)
+    if bounds.clips and name not in _CLIPPING:
+        raise MethodError(
+            f"{name} knows boxes, balls and half-spaces, not irt.Clip; {', '.join(sorted(_CLIPPING))} know it"
+        )
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
     request = {
@@ -676,7 +683,11 @@ def kernel_source(
     """The OpenCL C that `render` would run, readable; parameters need no values for it."""
     expr = sympify(f)
     region = request_region(f, bounds)
-    values = {n: 1.0 for n in parameter_names(expr, region)} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
+    values = (
+        {n: 1.0 for n in parameter_names(expr, region)}
+        | (dict(f.params) if isinstance(f, NamedSurface) else {})
+        | dict(params or {})
+    )
     request, _ = _common(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None)
     black = (0.0, 0.0, 0.0)
     request |= {
