@@ -113,6 +113,11 @@ render::Options picture_options(const py::dict& request, const program::Program&
     }
     if (!request["light"].is_none()) o.light = vector(request["light"]);
   }
+  if (request.contains("neighbours")) {
+    o.neighbours = get<bool>(request, "neighbours");
+    o.samples = get<int>(request, "samples");
+    o.everywhere = get<bool>(request, "everywhere");
+  }
   o.control = control_of(request);
   return o;
 }
@@ -179,13 +184,14 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   view.columns = get<int>(request, "width");
   view.rows = get<int>(request, "height");
   const Expr level = level_of(f, request);
+  const std::optional<Expr> g = request["clip"].is_none() ? std::nullopt : std::optional(get<Expr>(request, "clip"));
   const auto parameters = get<std::map<std::string, double>>(request, "params");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
     answer = options.finder.empty() ? render::render_frame(program, view, bounds, options, *device)
-                                    : render::render_frustum(level, parameters, view, bounds, options, *device);
+                                    : render::render_frustum(program, level, g, parameters, view, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);

@@ -94,7 +94,9 @@ constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "int
 
 }  // namespace
 
-const char* entry_name(Entry entry) { return entry == Entry::Enclose ? "enclose_pieces" : "trace"; }
+const char* entry_name(Entry entry) {
+  return entry == Entry::Enclose ? "enclose_pieces" : entry == Entry::Neighbours ? "shade_neighbours" : "trace";
+}
 
 std::string assemble(const program::Program& program, const Spec& spec) {
   program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision) : program::emit_interval(program, spec.precision);
@@ -107,15 +109,21 @@ std::string assemble(const program::Program& program, const Spec& spec) {
   if (f.files.count("interval_power.cl")) f.files.insert("interval_exponential.cl");
   if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
   std::string text = prelude(spec) + parameters_of(program, spec);
+  // Shading needs no enclosures.
+  const bool encloses = spec.entry != Entry::Neighbours;
   const auto include = [&](const std::string& name) { text += fmt::format("\n// ---- {}\n", name) + library_file(name); };
   include("packet.cl");
   for (const char* name : kArithmetic)
-    if (f.files.count(name)) include(name);
+    if (encloses && f.files.count(name)) include(name);
   const bool range = !spec.affine || f.range_result;
-  text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
+  if (encloses) text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
   if (spec.normal || spec.rgb) text += "\n" + program::emit_gradient(program, spec.precision).source;
   if (spec.entry == Entry::Enclose) {
     include("enclose.cl");
+  } else if (spec.entry == Entry::Neighbours) {
+    for (const char* name : {"scene.cl", "ray_camera.cl", "normal.cl", "shade.cl"}) include(name);
+    text += fmt::format("#define JUMP R({}.0)\n", kJump);
+    include("neighbours.cl");
   } else {
     include("scene.cl");
     include(spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl");
@@ -124,6 +132,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
     include("form.cl");
     include(spec.contract ? "contract.cl" : "bisection.cl");
+    if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
     include("trace.cl");
   }
@@ -140,6 +149,13 @@ std::string joined(std::string text, std::initializer_list<const char*> files) {
   return text;
 }
 
+// The entry point, and the files that it calls.
+std::string with_shading(std::string text, const Spec& spec) {
+  if (spec.normal || spec.rgb) text = joined(text, {"normal.cl"});
+  if (spec.rgb) text = joined(text, {"shade.cl"});
+  return joined(text, {"trace.cl"});
+}
+
 }  // namespace
 
 std::string assemble_frustum(const Spec& spec) {
@@ -154,8 +170,7 @@ std::string assemble_frustum(const Spec& spec) {
   text = joined(text, {"packet.cl", "scene.cl", "ray_camera.cl", "clip.cl", "frustum_cells.cl"});
   const bool knots = spec.finder.starts_with("mr");
   text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
-  if (spec.rgb) text = joined(text, {"shade.cl"});
-  return joined(text, {"trace.cl"});
+  return with_shading(text, spec);
 }
 
 std::string assemble_given(const Spec& spec) {
@@ -164,8 +179,7 @@ std::string assemble_given(const Spec& spec) {
       "#define ARGUMENTS , __global const real* given, const int stride\n#define FINDER , const size_t packet, __global const real* given, const int stride\n"
       "#define FINDER_PASS , column, given, stride\n";
   text = joined(text, {"packet.cl", "scene.cl", spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "given.cl"});
-  if (spec.rgb) text = joined(text, {"shade.cl"});
-  return joined(text, {"trace.cl"});
+  return with_shading(text, spec);
 }
 
 }  // namespace irt::kernel

@@ -8,7 +8,10 @@
 
 namespace irt::kernel {
 
-enum class Entry { Camera, PixelList, RayList, Enclose };
+enum class Entry { Camera, PixelList, RayList, Enclose, Neighbours };
+
+// How many pixel widths nearer or farther a neighbour lies on another sheet of the surface: behind or before a silhouette.
+inline constexpr int kJump = 4;
 
 struct Spec {
   Entry entry = Entry::Camera;

@@ -12,7 +12,8 @@
 #include "numerics/frustum_form.h"
 #include "numerics/reference.h"
 #include "render/camera_terms.h"
-#include "render/launch.h"
+#include "render/frustum_clip.h"
+#include "render/passes.h"
 
 namespace irt::render {
 namespace {
@@ -55,9 +56,9 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   f.upper = bounds.upper;
   for (const Ball& ball : bounds.balls) f.balls.emplace_back(ball.center, ball.radius);
   const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
-  f.left = -half * aspect;
+  f.left = -half * aspect * (1 - 2 * static_cast<long double>(view.right_by) / view.columns);
   f.across = 2 * half * aspect * screen.tile / view.columns;
-  f.top = half;
+  f.top = half * (1 - 2 * static_cast<long double>(view.down_by) / view.rows);
   f.down = -2 * half * screen.tile / view.rows;
   // Depth of the bounds, and the tiles that they may touch.
   double near = HUGE_VAL, far = -HUGE_VAL;
@@ -181,8 +182,8 @@ Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, c
   std::vector<numerics::Ray> rays;
   std::vector<double> lengths, tmin(open.size(), 0), tmax(open.size(), HUGE_VAL);
   for (const std::size_t i : open) {
-    const double sx = static_cast<double>((2 * (i % pitch + 0.5L) / view.columns - 1) * half * aspect),
-                 sy = static_cast<double>((1 - 2 * (i / pitch + 0.5L) / view.rows) * half);
+    const double sx = static_cast<double>((2 * (i % pitch + 0.5L + view.right_by) / view.columns - 1) * half * aspect),
+                 sy = static_cast<double>((1 - 2 * (i / pitch + 0.5L + view.down_by) / view.rows) * half);
     if (view.perspective) {
       const glm::dvec3 d = view.forward + sx * view.right + sy * view.up;
       lengths.push_back(glm::length(d));
@@ -312,9 +313,7 @@ Answer picked(const Answer& frame, const std::vector<std::size_t>& which, const 
   return part;
 }
 
-}  // namespace
-
-Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
+Answer frustum_passes(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
                       const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
   const numerics::Formula formula(f, parameters);
@@ -347,6 +346,18 @@ Answer render_frustum(const Expr& f, const std::map<std::string, double>& parame
     scatter(answer, rest, open);
   }
   return answer;
+}
+
+}  // namespace
+
+Answer render_frustum(const program::Program& program, const Expr& f, const std::optional<Expr>& g, const std::map<std::string, double>& parameters,
+                      const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+  const Finder find = [&](const View& v, const Options& o) {
+    Answer answer = frustum_passes(f, parameters, v, bounds, o, device);
+    if (g && answer.outcome == device::Outcome::done) apply_clip(answer, program, *g, parameters, v, bounds, o, device);
+    return answer;
+  };
+  return picture(find, program, view, bounds, options, device);
 }
 
 }  // namespace irt::render

@@ -81,7 +81,7 @@ Answer pass(const program::Program& program, const Rays& rays, const std::vector
   const RayTerms terms = make_terms(rays, which, count, answer.pitch, bounds, precision, spec.split);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, 0);
   const auto buffer = terms.terms.buffer(device);
-  launch(program, spec, {buffer.get(), static_cast<std::int32_t>(answer.pitch)}, settings, options, device, answer);
+  launch(program, spec, {buffer.get(), static_cast<std::int32_t>(answer.pitch)}, settings, {}, options, device, answer);
   return answer;
 }
 

@@ -37,6 +37,8 @@ __all__ = [
 ]
 
 MAX_PIXELS = 1 << 26  # caps.h: kPixels
+MAX_SAMPLES = 16  # in a row and in a column of a pixel: each costs a frame
+SILHOUETTE_SAMPLES = 4  # likewise; steps of 1/16 in coverage are hardly seen
 
 
 @dataclass(frozen=True)
@@ -123,8 +125,9 @@ def _choose(expr: Expr) -> tuple[str, str]:
     return "contract", "it is curved, and affine forms tell along the ray where zeros may lie"
 
 
-# Methods whose root finder asks the clip formula; see REGION_VARIABLES in kernels/contract.cl.
-_CLIPPING = frozenset({"ia", "raa", "contract"})
+# Methods whose root finder asks the clip formula (REGION_VARIABLES in kernels/contract.cl), or whose roots are judged by it
+# (cpp/render/frustum_clip.h).
+_CLIPPING = frozenset({"ia", "raa", "contract", *(f"frustum-{finder}" for finder in _FRUSTUM_FINDERS)})
 
 _CURVED = frozenset({
     "Pow", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "cbrt",
@@ -315,6 +318,8 @@ def render(
     max_pieces: int | None = None,
     time_limit: float | None = None,
     outputs: Collection[str] = ("rgb", "normal"),
+    normals: str = "gradient",
+    antialias: str | int | None = None,
     color: Any = "#5b9bd5",
     back_color: Any = "#e07b39",
     light: Any = (0.3, 0.9, 0.4),
@@ -343,6 +348,13 @@ def render(
         time_limit: seconds after which the rest of the frame is left UNRESOLVED.
         outputs: of "rgb", "normal" and "pieces" (how many pieces each ray took) those that are
             wanted; kernels contain nothing else.
+        normals: "gradient", which is exact; or "neighbours": from the points of neighbouring pixels, which
+            exist where the gradient vanishes (double surfaces), and are as good as eps is small beside
+            a pixel. Next to silhouettes differences are one-sided; pixels that no neighbour in their
+            row or in their column helps take the gradient.
+        antialias: None; n for the mean of n x n samples in each pixel, in linear light; or "silhouette":
+            4 x 4 samples, with gradient normals, in pixels next to a miss or a jump of depth only.
+            Changes rgb and rgba alone: all else is that of the pixels' centres.
         color, back_color: of the sides where f > 0 and f < 0, as CSS name, "#rrggbb", or 0..1 sRGB.
         light: a direction towards the one light besides the headlight; None for none.
         background: a colour, or None for transparent.
@@ -355,7 +367,8 @@ def render(
     Raises:
         ExpressionError, ArgumentError, LimitError, DeviceError, BuildError.
 
-    Source: S1 (Knoll et al.) sections 4 and 5.
+    Source: S1 (Knoll et al.) sections 4 and 5; S2 (Reimers and Seland) sections 4.2 to 4.4 for clip
+    regions, normals from neighbours and anti-aliasing.
     """
     started = time.perf_counter()
     expr = sympify(f)
@@ -374,6 +387,9 @@ def render(
     )
     request |= {
         "want": set(outputs),
+        "neighbours": _one_of(normals, "normals", ("gradient", "neighbours")) == "neighbours",
+        "samples": _samples(antialias),
+        "everywhere": antialias != "silhouette",
         "width": width,
         "height": height,
         "camera": camera.request(),
@@ -387,6 +403,19 @@ def render(
     result = _core.render_frame(expr._node, request)
     stats = _stats(request, result, method, reason, started, parsed)
     return Frame(result, camera, region, request["params"], stats)
+
+
+def _samples(antialias: Any) -> int:
+    """Samples in a row and in a column of a pixel."""
+    if antialias is None:
+        return 1
+    if isinstance(antialias, str) and antialias == "silhouette":
+        return SILHOUETTE_SAMPLES
+    if isinstance(antialias, (int, np.integer)) and not isinstance(antialias, bool) and 1 <= antialias <= MAX_SAMPLES:
+        return int(antialias)
+    raise ArgumentError(
+        f'antialias must be None, "silhouette" or a whole number from 1 to {MAX_SAMPLES}, not {antialias!r}'
+    )
 
 
 def _unit(light: Any) -> tuple[float, float, float]:
