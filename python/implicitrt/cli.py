@@ -55,6 +55,10 @@ def _region(text: str) -> Any:
     raise ArgumentError(f"'{text}' are no bounds; write {_BOUNDS}")
 
 
+def _samples(text: str | None) -> Any:
+    return int(text) if text is not None and text.isdecimal() else text
+
+
 def _parameter(text: str) -> tuple[str, float]:
     name, equals, value = text.partition("=")
     try:
@@ -90,6 +94,10 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--rounding", default="outward", choices=("outward", "fast"))
     render.add_argument(
         "--param", type=_parameter, action="append", default=[], metavar="NAME=VALUE", help="a parameter's value"
+    )
+    render.add_argument("--normals", default="gradient", choices=("gradient", "neighbours"))
+    render.add_argument(
+        "--antialias", metavar="N", help="means of N x N samples in each pixel, or 'silhouette': only where it shows"
     )
     compare = commands.add_parser("compare", help="chart speed against accuracy, method by method")
     compare.add_argument("what", metavar="NAME_OR_FORMULA", nargs="+", help="names (see list) or formulas")
@@ -139,7 +147,7 @@ def _render(args: argparse.Namespace) -> None:
     frame = irt.render(
         surface, bounds=args.bounds and [_region(text) for text in args.bounds], camera=camera, size=args.size, method=args.method, eps=args.eps,
         params=dict(args.param), device=args.device, precision=args.precision, rounding=args.rounding,
-        progress=_progress(),
+        normals=args.normals, antialias=_samples(args.antialias), progress=_progress(),
     )  # fmt: skip
     frame.save(output)
     stats = frame.stats

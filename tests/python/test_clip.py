@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from formulas import check, formula
 
 import implicitrt as irt
 from implicitrt import Clip, HalfSpace, Sphere, Status
@@ -48,6 +50,14 @@ def test_statuses_are_honest(scene: tuple[Any, Any, dict[str, float]], method: s
     assert proven.sum() > 0.9 * truth.hit.sum()
     fast = irt.render(f, **call, method=method, precision=precision, rounding="fast")
     assert (fast.hit == truth.hit).mean() > 0.98
+
+
+@pytest.mark.parametrize("seed", range(0, 2000, 367))
+def test_random_formulas_clipped_by_random_formulas(seed: int) -> None:
+    bounds = [1.5, Clip(formula(seed + 1)), HalfSpace((seed % 5 - 2, 1, seed % 3 - 1), 0.75)]
+    counts = check(formula(seed), 100, seed, tuple(METHODS), (1e-2, 1e-5), bounds)
+    for c in counts.values():
+        assert c["undecided"] > 0 or c["hits"] >= 0.95 * c["simple"]
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -151,7 +161,7 @@ def test_bad_clips_are_refused() -> None:
 
 
 def test_methods_that_know_no_clip_refuse_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("implicitrt.render._CLIPPING", frozenset({"ia"}))
+    monkeypatch.setattr(sys.modules["implicitrt.render"], "_CLIPPING", frozenset({"ia"}))
     with pytest.raises(irt.MethodError, match="contract knows boxes"):
         irt.render(SPHERE, bounds=[2, Clip("x")], method="contract")
     assert irt.render(SPHERE, bounds=[2, HalfSpace((1, 0, 0), 0)], method="contract", size=(16, 16)).hit.any()
