@@ -220,7 +220,7 @@ class Region {
 
   // 1: outside on all of [a, b], -1: inside, 0: not known, by more bits where it matters.
   int side_of(double a, double b, bool matters) {
-    const auto side = [](const Look& look) { return look.empty || look.sign > 0 ? 1 : look.sign < 0 && !look.doubtful ? -1 : 0; };
+    const auto side = [](const Look& look) { return look.empty || look.sign > 0 ? 1 : (look.sign < 0 || look.nonpositive) && !look.doubtful ? -1 : 0; };
     int known = side(in_double_->look(a, b));
     for (std::size_t k = 0; matters && k < std::size(kPrecisions) && known == 0; ++k) {
       if (!in_mpfr_[k]) in_mpfr_[k] = along_in_mpfr(formula_, ray_, kPrecisions[k]);

@@ -115,6 +115,15 @@ def test_a_root_on_the_boundary_is_a_touch() -> None:
     assert irt.reference("z - x", (0.5, 0.1, 2), (0, 0, -1), bounds=[3, Clip("z - x")]).kind[0] == Status.UNRESOLVED
 
 
+def test_a_clip_that_is_zero_counts() -> None:
+    call: dict[str, Any] = {"bounds": [2, Clip("Max(x, 0)")], "camera": CAMERA, "size": (24, 18)}
+    truth = irt.reference(SPHERE, **call)
+    assert truth.hit.sum() > 20 and (truth.kind != Status.UNRESOLVED).all()
+    for method in METHODS:
+        frame = irt.render(SPHERE, **call, method=method)
+        assert np.array_equal(frame.hit, truth.hit) and (frame.status[truth.hit] == Status.HIT).mean() > 0.9
+
+
 def test_moving_a_region_compiles_nothing() -> None:
     call: dict[str, Any] = {"camera": CAMERA, "size": (32, 24)}
     first = irt.render(SPHERE, bounds=[2, HalfSpace((1, 1, 0), 0.3), Clip("x - h")], params={"h": 0.1}, **call)
