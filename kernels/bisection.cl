@@ -6,6 +6,9 @@
 // its start; the sign a little behind its end must be proven opposite, and f continuous between. Otherwise halving goes on to
 // the floor of the precision, where the bracket may widen; what is still open is TOUCH, or UNRESOLVED at a pole.
 //
+// A piece that lies outside the clip region (IRT_CLIP) is skipped as well, which tells nothing of f's sign at its end; and a
+// HIT needs its bracket inside.
+//
 // With IRT_OUTWARD f is evaluated at one place only, for lanes that march and lanes that prove alike: no lane waits for
 // another, and the driver compiles f once. Lanes that are done keep their position and step.
 #define MARGIN R(0.25)  // of a piece, beyond its end
@@ -38,28 +41,29 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   I above = NONE, below = NONE;  // the sign of f at `position`, or at in0 where that lies ahead, if it is known
   I wild = NONE;                 // the enclosure of the candidate is infinite
   F margin = max(path.in0, (F)0);
-#if IRT_PARTIAL
-  I checking = NONE;  // the signs are proven, continuity is not yet
+#if IRT_PARTIAL || IRT_CLIP
+  I checking = NONE;  // the signs are proven, continuity and lying inside the clip region are not yet
 #endif
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
     const F from = TO_F(position), end = from + TO_F(step), behind = max(min(end + margin, path.in1), path.in0);
-#if IRT_PARTIAL
+#if IRT_PARTIAL || IRT_CLIP
     const F a = SELECT(proving & ~checking, behind, from);
 #else
     const F a = SELECT(proving, behind, from);
 #endif
     const F b = SELECT(proving, behind, end);
     I undefined, rough;
-    const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough);
+    REGION_VARIABLES
+    const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough REGION_OUT);
     const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined;
 
     const I starts = active & EQ(step, NONE), marches = active & ~proving, tried = active & proving & ~starts;
-    const I skips = marches & (is_above | is_below | undefined), deeper = marches & ~skips, candidate = deeper & LE(step, stop);
+    const I skips = marches & (is_above | is_below | undefined | outside), deeper = marches & ~skips, candidate = deeper & LE(step, stop);
     const I opposite = tried & ((above & is_below) | (below & is_above));
-#if IRT_PARTIAL
-    const I proven = tried & checking & ~rough, failed = tried & ~proven & (~opposite | checking);
+#if IRT_PARTIAL || IRT_CLIP
+    const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & (~opposite | checking);
     checking = opposite & ~checking;
 #else
     const I proven = opposite, failed = tried & ~opposite;
@@ -100,8 +104,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
     const F from = TO_F(position);
-    const FORM f = enclose(&path, from, from + TO_F(step) PARAMETERS_PASS, &undefined, &rough);
-    const I skip = positive(f) | negative(f) | undefined, next = position + step, longest = next & -next;
+    REGION_VARIABLES
+    const FORM f = enclose(&path, from, from + TO_F(step) PARAMETERS_PASS, &undefined, &rough REGION_OUT);
+    const I skip = positive(f) | negative(f) | undefined | outside, next = position + step, longest = next & -next;
     const I found = active & ~skip & LE(step, stop);
     open |= found;
     active &= ~found;
@@ -112,10 +117,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const F from = TO_F(position), end = from + TO_F(step);
   I opposite = NONE;
   if (ANY(open)) {
-    I none;
-    const FORM at_from = enclose(&path, from, from PARAMETERS_PASS, &undefined, &rough);
-    const FORM at_end = enclose(&path, end, end PARAMETERS_PASS, &none, &none);
-    opposite = (positive(at_from) & negative(at_end)) | (negative(at_from) & positive(at_end));
+    REGION_VARIABLES
+    const FORM at_from = enclose(&path, from, from PARAMETERS_PASS, &undefined, &rough REGION_OUT);
+    const I counts = inside;
+    const FORM at_end = enclose(&path, end, end PARAMETERS_PASS, &undefined, &rough REGION_OUT);
+    opposite = counts & inside & ((positive(at_from) & negative(at_end)) | (negative(at_from) & positive(at_end)));
   }
   ROOT root = report(&path, q, SELECT(open, SELECT(opposite, HIT, TOUCH), SELECT(active, UNRESOLVED, MISS)), from, end);
   REPORT_COUNT

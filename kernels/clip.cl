@@ -1,4 +1,4 @@
-// The part of a ray inside the bounds: a box and IRT_SPHERES balls. Every comparison is made twice, so that rounding can
+// The part of a ray inside the bounds: a box, IRT_SPHERES balls and IRT_HALF_SPACES half-spaces. Every comparison is made twice, so that rounding can
 // neither hide a root just inside the bounds nor show one just outside.
 
 // Between the planes lo and hi of one axis; e bounds the error of a coordinate anywhere on the ray.
@@ -38,6 +38,22 @@ static inline void clip_sphere(RANGE* range, const RAY* ray, F cx, F cy, F cz, F
 }
 #endif
 
+#if IRT_HALF_SPACES
+// n . (P + s D) <= offset. Twice the error of the coordinates covers the rounding of n and of the sums of products.
+static inline void clip_half_space(RANGE* range, const RAY* ray, F nx, F ny, F nz, F offset, F radius) {
+  const F p = fma(nx, ray->px, fma(ny, ray->py, nz * ray->pz)), d = fma(nx, ray->dx, fma(ny, ray->dy, nz * ray->dz));
+  const F e = fma((F)(R(2.0) * ULP), fabs(offset), R(2.0) * fma(fabs(nx), ray->ex, fma(fabs(ny), ray->ey, fabs(nz) * ray->ez)));
+  const I parallel = LE(fabs(d) * radius, e), leaving = GT(d, (F)0);
+  const F inverse = R(1.0) / SELECT(parallel, (F)1, d), at = (offset - p) * inverse;
+  const F pad = fma(e, R(2.0) * fabs(inverse), R(8.0) * ULP * fabs(at)), reach = e + e;
+  const I maybe = LE(p, offset + reach), surely = LE(p, offset - reach);
+  range->out0 = max(range->out0, SELECT(parallel, SELECT(maybe, -INF, INF), SELECT(leaving, -INF, at - pad)));
+  range->out1 = min(range->out1, SELECT(parallel, SELECT(maybe, INF, -INF), SELECT(leaving, at + pad, INF)));
+  range->in0 = max(range->in0, SELECT(parallel, SELECT(surely, -INF, INF), SELECT(leaving, -INF, at + pad)));
+  range->in1 = min(range->in1, SELECT(parallel, SELECT(surely, INF, -INF), SELECT(leaving, at - pad, INF)));
+}
+#endif
+
 static inline RANGE clip_ray(const RAY* ray, __global const real* q) {
   RANGE range;
   range.out0 = ray->near_out;
@@ -50,6 +66,10 @@ static inline RANGE clip_ray(const RAY* ray, __global const real* q) {
 #if IRT_SPHERES
   for (int i = 0; i < IRT_SPHERES; ++i)
     clip_sphere(&range, ray, (F)SPHERE(i, 0), (F)SPHERE(i, 1), (F)SPHERE(i, 2), (F)SPHERE(i, 3));
+#endif
+#if IRT_HALF_SPACES
+  for (int i = 0; i < IRT_HALF_SPACES; ++i)
+    clip_half_space(&range, ray, (F)HALF_SPACE(i, 0), (F)HALF_SPACE(i, 1), (F)HALF_SPACE(i, 2), (F)HALF_SPACE(i, 3), (F)RADIUS);
 #endif
   return range;
 }

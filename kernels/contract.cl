@@ -5,7 +5,8 @@
 // or derivative. Positions and steps are whole units of the path, so that pieces are exact, and contraction rounds outward to
 // units. A form that is positive at one end of the piece and negative at the other, by more than z, has proven both signs: where what
 // is left is short enough it is a HIT. Where that does not happen (f is a range there, or rounding drowns it) candidates are
-// proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between.
+// proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it inside the
+// clip region where there is one (IRT_CLIP).
 #define MARGIN R(0.25)  // of a piece, beyond its end
 #define WIDENINGS 48    // each by a quarter, so that the bracket is hardly wider than it must be
 #define FIRST_STEP (PATH_END >> 3)
@@ -78,25 +79,26 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   I bracketed = NONE;            // the signs at both ends of the piece are proven opposite
   I wild = NONE;                 // the enclosure of the candidate is infinite
   F margin = max(path.in0, (F)0), far = (F)0;
-#if IRT_PARTIAL
-  I checking = NONE;  // the signs are proven, continuity is not yet
+#if IRT_PARTIAL || IRT_CLIP
+  I checking = NONE;  // the signs are proven, continuity and lying inside the clip region are not yet
 #endif
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
     const F from = TO_F(position), end = from + TO_F(step), behind = max(min(end + margin, path.in1), path.in0);
-#if IRT_PARTIAL
+#if IRT_PARTIAL || IRT_CLIP
     const F a = SELECT(proving & ~checking, behind, from);
 #else
     const F a = SELECT(proving, behind, from);
 #endif
     const F b = SELECT(proving, behind, end);
     I undefined, rough;
-    const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough);
+    REGION_VARIABLES
+    const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough REGION_OUT);
     const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined;
 
     const I starts = active & EQ(step, NONE), marches = active & ~proving, tried = active & proving & ~starts;
-    const I skips = marches & (is_above | is_below | undefined), left = marches & ~skips;
+    const I skips = marches & (is_above | is_below | undefined | outside), left = marches & ~skips;
     const CUT cut = contract(f, position, step);
     const I rest = cut.end - cut.from;
 #if IRT_PARTIAL
@@ -109,11 +111,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const I crossing = cuts & cut.behind & ((known_above & ~cut.above_behind) | (known_below & cut.above_behind));
     const I lies_inside = GE(TO_F(cut.from), path.in0) & LE(TO_F(cut.end), path.in1);
     const I shorter = cuts & LE(rest, step - max(step >> 2, (I)1)), pinned = cuts & (crossing | bracketed);
-    const I found = pinned & lies_inside & (LE(rest, max(widest, FLOOR)) | (~shorter & LE(rest, BLUNT)));
+    const I found = pinned & lies_inside & inside & (LE(rest, max(widest, FLOOR)) | (~shorter & LE(rest, BLUNT)));
     const I deeper = left & ~found, candidate = deeper & LE(step, stop), moves = deeper & ~candidate;
     const I opposite = tried & ((above & is_below) | (below & is_above));
-#if IRT_PARTIAL
-    const I proven = tried & checking & ~rough, failed = tried & ~proven & (~opposite | checking);
+#if IRT_PARTIAL || IRT_CLIP
+    const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & (~opposite | checking);
     checking = opposite & ~checking;
 #else
     const I proven = opposite, failed = tried & ~opposite;

@@ -9,11 +9,11 @@ static inline RA coordinate(F middle, F slope, F e) {
 #endif
 }
 
-// f over the piece from `from` to `to`, in units of the path.
-static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough) {
+// f over the piece from `from` to `to`, in units of the path, and where that lies in the clip region.
+static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {
   const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
   return irt_affine(coordinate(ALONG(path, x, middle), span * path->ux, path->ex),
                     coordinate(ALONG(path, y, middle), span * path->uy, path->ey),
                     coordinate(ALONG(path, z, middle), span * path->uz, path->ez)
-                    PARAMETERS_PASS, undefined, rough);
+                    PARAMETERS_PASS, undefined, rough REGION_PASS);
 }

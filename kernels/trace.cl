@@ -33,35 +33,20 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
   STORE((F)NAN, uncertainty + at);
 #endif
 #if IRT_NORMAL || IRT_RGB
-  const F none = (F)NAN, less = R(1.0) / length;
+  const F less = R(1.0) / length;
   const F vx = -ray.dx * less, vy = -ray.dy * less, vz = -ray.dz * less;
-  F nx = none, ny = none, nz = none;
-  I front = ALL;
-  if (ANY(found)) {
 #if IRT_GRADIENT_FOUND
-    const F gx = root.gx, gy = root.gy, gz = root.gz;
+  const NORMAL n = normal_along(root.gx, root.gy, root.gz, found, vx, vy, vz);
 #else
-    F gx, gy, gz;
-    irt_gradient(fma(s, ray.dx, ray.px), fma(s, ray.dy, ray.py), fma(s, ray.dz, ray.pz) PARAMETERS_PASS, &gx, &gy, &gz);
+  const NORMAL n = normal_at(&ray, s, found, vx, vy, vz PARAMETERS_PASS);
 #endif
-    // Scaled first: squares of large or small gradients leave the range of reals.
-    const F largest = max(max(fabs(gx), fabs(gy)), fabs(gz)), scale = R(1.0) / largest;
-    const F x = gx * scale, y = gy * scale, z = gz * scale;
-    const F facing = fma(x, vx, fma(y, vy, z * vz));
-    front = GE(facing, (F)0);
-    const F unit = SELECT(front, (F)1, (F)-1) / sqrt(fma(x, x, fma(y, y, z * z)));
-    const I good = found & GT(largest, (F)TINY) & LT(largest, INF);
-    nx = SELECT(good, x * unit, none);
-    ny = SELECT(good, y * unit, none);
-    nz = SELECT(good, z * unit, none);
-  }
 #endif
 #if IRT_NORMAL
-  STORE_FLOAT(nx, normal + at);
-  STORE_FLOAT(ny, normal + (size_t)plane + at);
-  STORE_FLOAT(nz, normal + 2 * (size_t)plane + at);
+  STORE_FLOAT(n.x, normal + at);
+  STORE_FLOAT(n.y, normal + (size_t)plane + at);
+  STORE_FLOAT(n.z, normal + 2 * (size_t)plane + at);
 #endif
 #if IRT_RGB
-  STORE_UINT(shade(root.status, front, nx, ny, nz, vx, vy, vz, background, q), rgba + at);
+  STORE_UINT(shade(root.status, n.front, n.x, n.y, n.z, vx, vy, vz, background, q), rgba + at);
 #endif
 }

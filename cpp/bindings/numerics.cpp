@@ -28,6 +28,8 @@ py::dict reference(const Expr& f, const py::dict& request) {
   query.lower = vector(request["lower"].cast<std::array<double, 3>>().data());
   query.upper = vector(request["upper"].cast<std::array<double, 3>>().data());
   for (const auto& s : request["spheres"].cast<std::vector<std::array<double, 4>>>()) query.spheres.push_back({vector(s.data()), s[3]});
+  for (const auto& h : request["half_spaces"].cast<std::vector<std::array<double, 4>>>()) query.half_spaces.push_back({vector(h.data()), h[3]});
+  if (!request["clip"].is_none()) query.clip = request["clip"].cast<Expr>();
   query.parameters = request["params"].cast<std::map<std::string, double>>();
   using Clock = std::chrono::steady_clock;
   const double seconds = request["time_limit"].is_none() ? 1e8 : std::min(request["time_limit"].cast<double>(), 1e8);

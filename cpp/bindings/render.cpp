@@ -33,9 +33,11 @@ glm::dvec3 vector(py::handle h) {
 }
 
 render::Bounds bounds_of(const py::dict& request) {
-  render::Bounds b{vector(request["lower"]), vector(request["upper"]), {}};
+  render::Bounds b{vector(request["lower"]), vector(request["upper"]), {}, {}};
   for (const auto& s : get<std::vector<std::array<double, 4>>>(request, "spheres"))
     b.balls.push_back({{s[0], s[1], s[2]}, s[3]});
+  for (const auto& h : get<std::vector<std::array<double, 4>>>(request, "half_spaces"))
+    b.half_spaces.push_back({{h[0], h[1], h[2]}, h[3]});
   return b;
 }
 
@@ -87,7 +89,10 @@ render::Options options_of(const py::dict& request, const program::Program& prog
 }
 
 program::Program program_of(const Expr& f, const py::dict& request) {
-  return program::lower(f, request.contains("isovalue") && !request["isovalue"].is_none());
+  const bool isovalue = request.contains("isovalue") && !request["isovalue"].is_none();
+  if (!request.contains("clip") || request["clip"].is_none()) return program::lower(f, isovalue);
+  const Expr g = get<Expr>(request, "clip");
+  return program::lower(f, isovalue, &g);
 }
 
 render::Options picture_options(const py::dict& request, const program::Program& program) {
@@ -107,6 +112,11 @@ render::Options picture_options(const py::dict& request, const program::Program&
       o.background = {b[0], b[1], b[2], 1};
     }
     if (!request["light"].is_none()) o.light = vector(request["light"]);
+  }
+  if (request.contains("neighbours")) {
+    o.neighbours = get<bool>(request, "neighbours");
+    o.samples = get<int>(request, "samples");
+    o.everywhere = get<bool>(request, "everywhere");
   }
   o.control = control_of(request);
   return o;
@@ -174,13 +184,14 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   view.columns = get<int>(request, "width");
   view.rows = get<int>(request, "height");
   const Expr level = level_of(f, request);
+  const std::optional<Expr> g = request["clip"].is_none() ? std::nullopt : std::optional(get<Expr>(request, "clip"));
   const auto parameters = get<std::map<std::string, double>>(request, "params");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
     answer = options.finder.empty() ? render::render_frame(program, view, bounds, options, *device)
-                                    : render::render_frustum(level, parameters, view, bounds, options, *device);
+                                    : render::render_frustum(program, level, g, parameters, view, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
@@ -196,6 +207,8 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   const render::Rays rays{origins.data(), directions.data(), tmin.data(), tmax.data(), static_cast<std::size_t>(tmin.size())};
   const Expr level = level_of(f, request);
   const auto parameters = get<std::map<std::string, double>>(request, "params");
+  if (!options.finder.empty() && request.contains("clip") && !request["clip"].is_none())
+    throw MethodError("trace by the frustum form's root finders knows no Clip; \"contract\", \"raa\" and \"ia\" do");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {

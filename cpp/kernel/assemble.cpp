@@ -35,6 +35,7 @@ std::string prelude(const Spec& spec) {
   if (spec.entry != Entry::Enclose) {
     define("IRT_LIST", spec.entry == Entry::PixelList);
     define("IRT_SPHERES", spec.spheres);
+    define("IRT_HALF_SPACES", spec.half_spaces);
     define("IRT_NORMAL", spec.normal);
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
@@ -70,6 +71,12 @@ std::string parameters_of(const program::Program& program, const Spec& spec) {
   text += program.inputs() > 0 ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
                                : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
   text += "#define ARGUMENTS PARAMETERS\n#define FINDER_PASS PARAMETERS_PASS\n";
+  text += fmt::format("#define IRT_CLIP {}\n", program.clip >= 0 ? 1 : 0);
+  // What a clip formula tells of a piece of ray; without one everything is inside.
+  text += program.clip >= 0 ? "#define REGION_PARAMETERS , I* outside, I* inside\n#define REGION_PASS , outside, inside\n"
+                              "#define REGION_OUT , &outside, &inside\n#define REGION_VARIABLES I outside, inside;\n"
+                            : "#define REGION_PARAMETERS\n#define REGION_PASS\n#define REGION_OUT\n"
+                              "#define REGION_VARIABLES const I outside = NONE, inside = ALL;\n";
   for (std::size_t i = 0; i < program.parameters.size(); ++i)
     text += fmt::format("// p[{}], p[{}]: bounds of {}\n", 2 * i, 2 * i + 1,
                         identifier(program.parameters[i]) ? program.parameters[i] : "a parameter");
@@ -87,7 +94,9 @@ constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "int
 
 }  // namespace
 
-const char* entry_name(Entry entry) { return entry == Entry::Enclose ? "enclose_pieces" : "trace"; }
+const char* entry_name(Entry entry) {
+  return entry == Entry::Enclose ? "enclose_pieces" : entry == Entry::Neighbours ? "shade_neighbours" : "trace";
+}
 
 std::string assemble(const program::Program& program, const Spec& spec) {
   program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision) : program::emit_interval(program, spec.precision);
@@ -100,15 +109,21 @@ std::string assemble(const program::Program& program, const Spec& spec) {
   if (f.files.count("interval_power.cl")) f.files.insert("interval_exponential.cl");
   if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
   std::string text = prelude(spec) + parameters_of(program, spec);
+  // Shading needs no enclosures.
+  const bool encloses = spec.entry != Entry::Neighbours;
   const auto include = [&](const std::string& name) { text += fmt::format("\n// ---- {}\n", name) + library_file(name); };
   include("packet.cl");
   for (const char* name : kArithmetic)
-    if (f.files.count(name)) include(name);
+    if (encloses && f.files.count(name)) include(name);
   const bool range = !spec.affine || f.range_result;
-  text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
+  if (encloses) text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
   if (spec.normal || spec.rgb) text += "\n" + program::emit_gradient(program, spec.precision).source;
   if (spec.entry == Entry::Enclose) {
     include("enclose.cl");
+  } else if (spec.entry == Entry::Neighbours) {
+    for (const char* name : {"scene.cl", "ray_camera.cl", "normal.cl", "shade.cl"}) include(name);
+    text += fmt::format("#define JUMP R({}.0)\n", kJump);
+    include("neighbours.cl");
   } else {
     include("scene.cl");
     include(spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl");
@@ -117,6 +132,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
     include("form.cl");
     include(spec.contract ? "contract.cl" : "bisection.cl");
+    if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
     include("trace.cl");
   }
@@ -131,6 +147,13 @@ namespace {
 std::string joined(std::string text, std::initializer_list<const char*> files) {
   for (const std::string name : files) text += fmt::format("\n// ---- {}\n", name) + library_file(name);
   return text;
+}
+
+// The entry point, and the files that it calls.
+std::string with_shading(std::string text, const Spec& spec) {
+  if (spec.normal || spec.rgb) text = joined(text, {"normal.cl"});
+  if (spec.rgb) text = joined(text, {"shade.cl"});
+  return joined(text, {"trace.cl"});
 }
 
 }  // namespace
@@ -148,8 +171,7 @@ std::string assemble_frustum(const Spec& spec) {
   text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl", rays ? "frustum_rays.cl" : "frustum_cells.cl"});
   const bool knots = spec.finder.starts_with("mr");
   text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
-  if (spec.rgb) text = joined(text, {"shade.cl"});
-  return joined(text, {"trace.cl"});
+  return with_shading(text, spec);
 }
 
 std::string assemble_given(const Spec& spec) {
@@ -158,8 +180,7 @@ std::string assemble_given(const Spec& spec) {
       "#define ARGUMENTS , __global const real* given, const int stride\n#define FINDER , const size_t packet, __global const real* given, const int stride\n"
       "#define FINDER_PASS , column, given, stride\n";
   text = joined(text, {"packet.cl", "scene.cl", spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "given.cl"});
-  if (spec.rgb) text = joined(text, {"shade.cl"});
-  return joined(text, {"trace.cl"});
+  return with_shading(text, spec);
 }
 
 }  // namespace irt::kernel

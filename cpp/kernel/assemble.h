@@ -8,7 +8,10 @@
 
 namespace irt::kernel {
 
-enum class Entry { Camera, PixelList, RayList, Enclose };
+enum class Entry { Camera, PixelList, RayList, Enclose, Neighbours };
+
+// How many pixel widths nearer or farther a neighbour lies on another sheet of the surface: behind or before a silhouette.
+inline constexpr int kJump = 4;
 
 struct Spec {
   Entry entry = Entry::Camera;
@@ -20,6 +23,7 @@ struct Spec {
   bool split = false;    // rays are set up in double and carried as pairs of floats; needs fp64
   bool infinite = true;  // intermediate values may be infinite (program::magnitude)
   int spheres = 0;       // balls among the bounds
+  int half_spaces = 0;   // and half-spaces
   bool normal = false;
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray

@@ -37,7 +37,7 @@ class DoubleAlong final : public Along {
   Look look(double a, double b) override {
     run(Interval(a, b), values_.size());
     Interval f = values_[formula_.f()];
-    Look look{.sign = f.sign(), .empty = f.empty, .doubtful = f.doubtful, .slope = 0};
+    Look look{.sign = f.sign(), .empty = f.empty, .doubtful = f.doubtful, .nonpositive = !f.empty && f.hi <= 0, .slope = 0};
     if (look.sign || look.empty || look.doubtful) return look;
     const Interval slope = derivative();
     look.slope = slope.sign();
@@ -102,7 +102,7 @@ class MpfrAlong final : public Along {
     const MpfrInterval t = MpfrInterval::of(a, b, precision_);
     run(t, values_.size());
     const MpfrInterval& f = values_[formula_.f()];
-    Look look{.sign = sign_of(f), .empty = f.empty, .doubtful = f.doubtful, .slope = 0};
+    Look look{.sign = sign_of(f), .empty = f.empty, .doubtful = f.doubtful, .nonpositive = !f.empty && !mpfr_nan_p((mpfr_srcptr)f.hi) && mpfr_sgn((mpfr_srcptr)f.hi) <= 0, .slope = 0};
     if (look.sign || look.empty || look.doubtful) return look;
     MpfrInterval slope(precision_);
     if (!derivative(slope)) return look;

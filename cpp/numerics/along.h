@@ -51,6 +51,7 @@ struct Look {
   int sign = 0;         // of all values there, where they have one
   bool empty = false;   // f is defined nowhere
   bool doubtful = false; // not proven defined and continuous
+  bool nonpositive = false;  // no value is above zero, by the range alone
   int slope = 0;        // sign of the derivative along the ray, where it has one
 };
 

@@ -3,6 +3,7 @@
 // cannot decide on, MPFR.
 #include "numerics/reference.h"
 
+#include <gmpxx.h>
 #include <mpfr.h>
 
 #include <atomic>
@@ -64,6 +65,21 @@ std::optional<Clip> clip_of(const Ray& ray, double tmin, double tmax, const Quer
     if (left.hi < 0) return std::nullopt;
     const Interval reach(std::max(0.0, down(std::sqrt(std::max(0.0, left.lo)))), up(std::sqrt(left.hi)));
     cut(nearest - reach, nearest + reach);
+  }
+  for (const HalfSpace& h : query.half_spaces) {
+    mpq_class slope, left(h.offset);
+    for (int k = 0; k < 3; ++k) {
+      const mpq_class n(h.normal[k]);
+      slope += n * mpq_class(ray.direction[k]);
+      left -= n * mpq_class(ray.origin[k]);
+    }
+    if (sgn(slope) == 0) {
+      if (sgn(left) < 0) return std::nullopt;
+      continue;
+    }
+    const double t = mpq_class(left / slope).get_d();  // truncated
+    const Interval at(down(t), up(t));
+    sgn(slope) > 0 ? cut(Interval(-kInf, -kInf), at) : cut(at, Interval(kInf, kInf));
   }
   if (!(enter.lo <= leave.hi)) return std::nullopt;
   if (!std::isfinite(enter.lo) || !std::isfinite(leave.hi)) throw ArgumentError("a ray is left infinite");
@@ -174,11 +190,58 @@ class Subdivision {
   std::array<std::unique_ptr<Along>, std::size(kPrecisions)> in_mpfr_;
 };
 
+// Where the sign of the clip formula g decides which zeros count. For one thread.
+class Region {
+ public:
+  Region(const Formula& g) : formula_(g), in_double_(along_in_double(g, ray_)) {}
+
+  // What `search` finds first on the clipped ray, and counts; past zeros where g is above zero it goes on.
+  template <class Search>
+  Root first_root(const Ray& ray, Clip clip, const Search& search) {
+    ray_ = ray;
+    const double span = clip.leave_hi - clip.enter_lo;
+    for (int k = 0; k < kPassedOver; ++k) {
+      Root root = search(clip);
+      if (root.kind == Kind::miss) return root;
+      const int side = side_of(root.lo, root.hi, true);
+      if (side < 0) return root;
+      if (side == 0) return {Kind::undecided, root.lo, root.hi, root.arithmetic};
+      // As far as g stays above zero nothing counts.
+      double end = root.hi;
+      for (double w = std::max(root.hi - root.lo, 1e-12 * span); end < clip.leave_hi && side_of(root.lo, root.hi + w, false) > 0; w *= 2) end = root.hi + w;
+      if (end >= clip.leave_hi) return {Kind::miss, 0, 0, root.arithmetic};
+      clip.enter_lo = clip.enter_hi = end;
+    }
+    return {Kind::undecided, clip.enter_lo, clip.leave_hi, Arithmetic::none};
+  }
+
+ private:
+  static constexpr int kPassedOver = 1000;
+
+  // 1: outside on all of [a, b], -1: inside, 0: not known, by more bits where it matters.
+  int side_of(double a, double b, bool matters) {
+    const auto side = [](const Look& look) { return look.empty || look.sign > 0 ? 1 : (look.sign < 0 || look.nonpositive) && !look.doubtful ? -1 : 0; };
+    int known = side(in_double_->look(a, b));
+    for (std::size_t k = 0; matters && k < std::size(kPrecisions) && known == 0; ++k) {
+      if (!in_mpfr_[k]) in_mpfr_[k] = along_in_mpfr(formula_, ray_, kPrecisions[k]);
+      known = side(in_mpfr_[k]->look(a, b));
+    }
+    return known;
+  }
+
+  const Formula& formula_;
+  Ray ray_{};
+  std::unique_ptr<Along> in_double_;
+  std::array<std::unique_ptr<Along>, std::size(kPrecisions)> in_mpfr_;
+};
+
 }  // namespace
 
 std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query) {
   const Formula formula(f, query.parameters);
   const std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
+  std::optional<Formula> g;
+  if (query.clip) g.emplace(*query.clip, query.parameters);
   std::vector<Root> roots(rays.size());
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> stopped{false};
@@ -191,6 +254,8 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
     constexpr std::size_t kChunk = 16;
     try {
       Subdivision subdivision(formula);
+      std::optional<Region> region;
+      if (g) region.emplace(*g);
       for (std::size_t first; !stopped && (first = next.fetch_add(kChunk)) < rays.size();) {
         const std::size_t last = std::min(first + kChunk, rays.size());
         for (std::size_t i = first; i < last && !stopped; ++i) {
@@ -199,7 +264,8 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
             roots[i] = {Kind::miss, 0, 0, Arithmetic::dbl};
           } else {
             roots[i] = {Kind::undecided, clip->enter_lo, clip->leave_hi, Arithmetic::none};
-            roots[i] = plan ? plan->first_root(rays[i], *clip) : subdivision.first_root(rays[i], *clip);
+            const auto search = [&](const Clip& c) { return plan ? plan->first_root(rays[i], c) : subdivision.first_root(rays[i], c); };
+            roots[i] = region ? region->first_root(rays[i], *clip, search) : search(*clip);
           }
           ++done;
         }

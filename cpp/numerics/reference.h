@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,9 +17,17 @@ struct Sphere {
   double radius;
 };
 
+// normal . p <= offset
+struct HalfSpace {
+  glm::dvec3 normal;
+  double offset;
+};
+
 struct Query {
   glm::dvec3 lower, upper;
   std::vector<Sphere> spheres;
+  std::vector<HalfSpace> half_spaces;
+  std::optional<Expr> clip;  // zeros where it is above zero, or undefined, do not count
   std::map<std::string, double> parameters;
   // Asked on the calling thread, many times a second; true ends the work, and the rays left are undecided.
   std::function<bool(double done)> stop;

@@ -20,10 +20,11 @@ struct Emitted {
   bool range_result = false;  // emit_affine: the result is an interval (IA), not a form
 };
 
-// static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough)
+// static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS), the last being
+// I* outside, I* inside in programs with a clip: it is proven above zero (or undefined) on the piece, or proven not to be.
 Emitted emit_interval(const Program& program, Precision precision);
 
-// static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough); FORM is RA, or IA where the result
+// static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS); FORM is RA, or IA where the result
 // is a range
 Emitted emit_affine(const Program& program, Precision precision);
 

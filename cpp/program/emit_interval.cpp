@@ -63,7 +63,7 @@ Emitted emit_interval(const Program& program, Precision precision) {
   Emitted out;
   std::string text =
       "// Interval enclosure over a box.\n"
-      "static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough) {\n";
+      "static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {\n";
   std::set<long> powers;
   std::set<std::string> real_powers;
   out.files.insert("interval.cl");
@@ -81,7 +81,7 @@ Emitted emit_interval(const Program& program, Precision precision) {
     text += fmt::format("  const IA {} = {};\n", r, value);
     emit_inherited(program, v, text);
   }
-  text += finish_masks(program) + fmt::format("  return {};\n}}\n", name(program.result));
+  text += finish_masks(program) + finish_region(program, operand(program.clip)) + fmt::format("  return {};\n}}\n", name(program.result));
   std::string functions;
   for (long n : powers) functions += power_function(n);
   out.source = functions + taylor_functions(program, precision) + text;

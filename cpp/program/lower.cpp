@@ -48,9 +48,10 @@ Bounds times_bounds(Bounds a, Bounds b) {
 
 class Lowering {
  public:
-  Program run(const Expr& f, bool isovalue) {
-    collect_parameters(f);
+  Program run(const Expr& f, bool isovalue, const Expr* g) {
+    collect_parameters(f, g);
     program_.result = value_of(f);
+    if (g) program_.clip = value_of(*g);
     program_.isovalue = isovalue;
     if (isovalue) {
       const Value iso = emit({.code = Code::Parameter, .index = static_cast<std::int64_t>(program_.parameters.size())});
@@ -66,9 +67,10 @@ class Lowering {
   std::unordered_map<const Node*, Value> done_;
   std::map<std::tuple<Code, Value, Value, Value, double, double, std::int64_t>, Value> known_;
 
-  void collect_parameters(const Expr& f) {
+  void collect_parameters(const Expr& f, const Expr* g) {
     std::set<std::string> names;
     std::vector<std::pair<Expr, bool>> stack{{f, false}};
+    if (g) stack.emplace_back(*g, false);
     while (!stack.empty()) {
       auto [e, ready] = stack.back();
       stack.pop_back();
@@ -378,7 +380,8 @@ class Lowering {
   // Drops what the result does not need and renumbers.
   void prune() {
     std::vector<char> live(program_.code.size(), 0);
-    live[static_cast<std::size_t>(program_.result)] = 1;
+    for (Value v : {program_.result, program_.clip})
+      if (v >= 0) live[static_cast<std::size_t>(v)] = 1;
     for (std::size_t i = program_.code.size(); i-- > 0;) {
       if (!live[i]) continue;
       const Instruction& in = program_.code[i];
@@ -395,16 +398,18 @@ class Lowering {
       renamed[i] = static_cast<Value>(kept.size());
       kept.push_back(in);
     }
-    program_.result = renamed[static_cast<std::size_t>(program_.result)];
+    for (Value* v : {&program_.result, &program_.clip})
+      if (*v >= 0) *v = renamed[static_cast<std::size_t>(*v)];
     program_.code = std::move(kept);
   }
 };
 
 }  // namespace
 
-Program lower(const Expr& f, bool isovalue) {
-  if (f.is_condition()) throw ExpressionError("a condition is not a formula; use Piecewise to give it values");
-  return Lowering().run(f, isovalue);
+Program lower(const Expr& f, bool isovalue, const Expr* g) {
+  if (f.is_condition() || (g && g->is_condition()))
+    throw ExpressionError("a condition is not a formula; use Piecewise to give it values");
+  return Lowering().run(f, isovalue, g);
 }
 
 }  // namespace irt::program

@@ -99,4 +99,10 @@ std::string finish_masks(const Program& program) {
                      mask_or_none(program, program.result, 'r'));
 }
 
+std::string finish_region(const Program& program, const std::string& range) {
+  if (program.clip < 0) return {};
+  const std::string u = mask_or_none(program, program.clip, 'u'), r = mask_or_none(program, program.clip, 'r');
+  return fmt::format("  const IA region = {};\n  *outside = GT(region.lo, (F)0) | {};\n  *inside = LE(region.hi, (F)0) & ~{};\n", range, u, r);
+}
+
 }  // namespace irt::program

@@ -75,6 +75,7 @@ struct Instruction {
 struct Program {
   std::vector<Instruction> code;  // operands come before their users
   Value result = 0;
+  Value clip = -1;                      // where this is above zero, zeros of the result do not count; -1: they do everywhere
   std::vector<std::string> parameters;  // sorted by name
   std::vector<std::vector<numerics::Bounds>> polynomials;  // coefficients, lowest first
   bool isovalue = false;                // one more input, after the parameters
@@ -85,9 +86,9 @@ struct Program {
   bool is_constant(Value v) const { return (*this)[v].code == Code::Constant; }
 };
 
-// The program of f, or of f - isovalue with the isovalue as one more parameter. Symbols other than x, y, z are
-// parameters. Throws LimitError past limits::kOperations.
-Program lower(const Expr& f, bool isovalue = false);
+// The program of f, or of f - isovalue with the isovalue as one more parameter; and of g, where zeros of f count only if
+// g <= 0. Symbols of both other than x, y, z are parameters. Throws LimitError past limits::kOperations.
+Program lower(const Expr& f, bool isovalue = false, const Expr* g = nullptr);
 
 // An upper bound of the magnitude of every intermediate value, for interval and affine forms alike, where the
 // coordinates stay below `coordinates` and the parameters below `parameters`; infinity where a value has no bound

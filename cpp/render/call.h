@@ -24,9 +24,16 @@ struct Ball {
   double radius;
 };
 
+// The side n . p <= offset; the largest of |n| lies in [1, 2).
+struct HalfSpace {
+  glm::dvec3 normal;
+  double offset;
+};
+
 struct Bounds {
   glm::dvec3 lower, upper;
   std::vector<Ball> balls;
+  std::vector<HalfSpace> half_spaces;
 
   glm::dvec3 center() const { return 0.5 * (lower + upper); }
 };
@@ -37,6 +44,7 @@ struct View {
   double tan_half_fov = 0.5;  // perspective
   double height = 1;          // orthographic
   int columns = 0, rows = 0;
+  double right_by = 0, down_by = 0;  // where samples lie, in pixels from the pixels' centres
 };
 
 // A batch of rays: (n, 3) arrays, and the range of t for each.
@@ -57,6 +65,9 @@ struct Options {
   std::vector<double> parameters;  // one for each of Program::inputs()
   int max_pieces = 0;              // 0: the default
   bool normal = true, rgb = true, pieces = false;
+  bool neighbours = false;  // normals from the points of neighbouring pixels (frames only)
+  int samples = 1;          // in a row and in a column of each pixel that is anti-aliased
+  bool everywhere = true;   // all pixels are, not only those at silhouettes
   std::array<double, 3> color{}, back_color{}, unresolved_color{};  // linear light
   std::array<double, 4> background{};                              // and alpha
   glm::dvec3 light{0};                                             // towards it; zero: none
@@ -97,9 +108,9 @@ struct Answer {
 Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
                     device::Device& device);
 
-// By the frustum form. Throws MethodError where f is no polynomial, or one of too high a degree.
-Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
-                      const Options& options, device::Device& device);
+// By the frustum form; `program` is that of f, and g its clip formula. Throws MethodError where f is no polynomial, or one of too high a degree.
+Answer render_frustum(const program::Program& program, const Expr& f, const std::optional<Expr>& g, const std::map<std::string, double>& parameters,
+                      const View& view, const Bounds& bounds, const Options& options, device::Device& device);
 
 Answer trace_frustum(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, const Bounds& bounds,
                      const Options& options, device::Device& device);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "render/reals.h"
@@ -30,7 +31,7 @@ class CameraTerms {
     for (std::size_t i = 0; i < column_stride; ++i) {
       // Lanes past the last column repeat it.
       const std::size_t column = std::min<std::size_t>(i, view.columns - 1);
-      const long double sx = (2 * (column + 0.5L) / view.columns - 1) * half * aspect;
+      const long double sx = (2 * (column + 0.5L + view.right_by) / view.columns - 1) * half * aspect;
       const vec p = spread * sx * right, d = view.perspective ? sx * right : vec(0);
       for (int k = 0; k < 3; ++k) {
         columns.set(k * column_stride + i, static_cast<double>(p[k]));
@@ -40,7 +41,7 @@ class CameraTerms {
       widest = std::max(widest, std::fabs(sx));
     }
     for (std::size_t row = 0; row < row_stride; ++row) {
-      const long double sy = (1 - 2 * (row + 0.5L) / view.rows) * half;
+      const long double sy = (1 - 2 * (row + 0.5L + view.down_by) / view.rows) * half;
       const vec p = middle + spread * sy * up, d = view.perspective ? forward + sy * up : forward;
       for (int k = 0; k < 3; ++k) {
         rows.set(k * row_stride + row, static_cast<double>(p[k]));
@@ -50,6 +51,13 @@ class CameraTerms {
       rows.set(7 * row_stride + row, tau);
       widest = std::max(widest, std::fabs(sy));
     }
+    const long double across = 2 * half * aspect / view.columns, down = -2 * half / view.rows;
+    for (int k = 0; k < 3; ++k) {
+      steps[k] = static_cast<double>(spread * across * right[k]);
+      steps[3 + k] = view.perspective ? static_cast<double>(across * right[k]) : 0;
+      steps[6 + k] = static_cast<double>(spread * down * up[k]);
+      steps[9 + k] = view.perspective ? static_cast<double>(down * up[k]) : 0;
+    }
     // The basis itself is known to about a double's precision.
     pad = static_cast<double>(4e-16L * (glm::length(origin) + std::fabs(distance) * (1 + 2 * widest) + 2 * widest));
   }
@@ -57,6 +65,7 @@ class CameraTerms {
   std::size_t column_stride, row_stride;
   Reals columns, rows;
   double tau, pad;
+  std::array<double, 12> steps{};  // what P and D gain from column to column and from row to row
 };
 
 // Columns and rows of the pixels of a list, lanes past the last repeating it.

@@ -1,6 +1,9 @@
-// render_frame: a camera's rays as terms per column and per row, computed here in long double, and the passes.
+// render_frame: the passes in single and double, and what follows them: normals from neighbours, anti-aliasing.
+#include <algorithm>
+#include <limits>
+
 #include "render/camera_terms.h"
-#include "render/launch.h"
+#include "render/passes.h"
 
 namespace irt::render {
 namespace {
@@ -15,6 +18,7 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   spec.width = packet_width(device, precision);
   spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   // Brackets may reach a little out of the bounds.
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
   return with_options(spec, options);
@@ -38,25 +42,95 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
     list_buffer = device.buffer(list->data(), list->bytes(), device::Access::read);
     inputs.emplace_back(list_buffer.get());
   }
-  launch(program, spec, std::move(inputs), settings, options, device, answer);
+  launch(program, spec, std::move(inputs), settings, {}, options, device, answer);
   return answer;
+}
+
+// Depths as kernels/neighbours.cl wants them.
+Reals bordered_depths(const Answer& answer, Precision precision) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::size_t width = answer.pitch + 2;
+  Reals depths(precision, width * (answer.rows + 2));
+  for (std::size_t i = 0; i < width * (answer.rows + 2); ++i) depths.set(i, kInfinity);
+  for (std::size_t row = 0; row < answer.rows; ++row)
+    for (std::size_t column = 0; column < answer.columns; ++column) {
+      const std::size_t i = row * answer.pitch + column;
+      const unsigned char status = answer.status->as<unsigned char>()[i];
+      if (status == 0) continue;
+      const double depth = answer.wide ? answer.depth->as<double>()[i] : static_cast<double>(answer.depth->as<float>()[i]);
+      depths.set((row + 1) * width + column + 1, status == 3 ? -kInfinity : depth);
+    }
+  return depths;
+}
+
+void shade_by_neighbours(Answer& answer, const program::Program& program, const View& view, const Bounds& bounds,
+                         const Options& options, device::Device& device) {
+  const Precision precision = answer.wide ? Precision::Double : Precision::Single;
+  const kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::Neighbours);
+  // Rows are as long as the answer's, whose packets may be wider.
+  const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, static_cast<int>(answer.pitch));
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau), depths = bordered_depths(answer, precision);
+  Reals steps(precision, terms.steps.size());
+  for (std::size_t k = 0; k < terms.steps.size(); ++k) steps.set(k, terms.steps[k]);
+  const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device), around = depths.buffer(device), gains = steps.buffer(device);
+  const std::size_t n = answer.pitch * answer.rows;
+  if (options.normal) answer.normal.emplace(3 * n * sizeof(float));
+  if (options.rgb) answer.rgba.emplace(n * 4);
+  // What is found is shaded, even if it is too late to find more.
+  Options whatever = options;
+  whatever.control.deadline = std::chrono::steady_clock::time_point::max();
+  whatever.control.progress = nullptr;
+  const device::Outcome before = answer.outcome;
+  launch(program, spec, {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)},
+         settings, {around.get(), gains.get()}, whatever, device, answer);
+  if (answer.outcome == device::Outcome::done) answer.outcome = before;
 }
 
 }  // namespace
 
-Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
-                    device::Device& device) {
+Answer camera_passes(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+                     device::Device& device, const std::vector<std::size_t>* pixels, std::size_t pitch) {
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   // With parameters the second pass may be needed at any move of a slider, which should compile nothing.
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
   if (second && program.inputs())
     prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
-  Answer answer = pass(program, view, bounds, options, device, first, nullptr, 0);
+  Answer answer = pass(program, view, bounds, options, device, first, pixels, pitch);
   if (!second || answer.outcome != device::Outcome::done) return answer;
   const auto open = undecided(answer, options);
-  if (!open.empty())
-    scatter(answer, pass(program, view, bounds, options, device, Precision::Double, &open, answer.pitch), open);
+  if (open.empty()) return answer;
+  auto which = open;
+  if (pixels)
+    for (std::size_t& i : which) i = (*pixels)[i];
+  scatter(answer, pass(program, view, bounds, options, device, Precision::Double, &which, pixels ? pitch : answer.pitch), open);
   return answer;
+}
+
+Answer shaded(const Finder& find, const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+              device::Device& device) {
+  if (!options.neighbours || !(options.normal || options.rgb)) return find(view, options);
+  if (options.precision == PrecisionMode::Auto && device.info().fp64 && program.inputs())
+    for (const Precision p : {Precision::Single, Precision::Double})
+      prepare(program, spec_of(program, bounds, options, device, p, kernel::Entry::Neighbours), device);
+  Options bare = options;
+  bare.normal = bare.rgb = false;
+  Answer answer = find(view, bare);
+  if (answer.outcome != device::Outcome::cancelled) shade_by_neighbours(answer, program, view, bounds, options, device);
+  return answer;
+}
+
+Answer picture(const Finder& find, const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+               device::Device& device) {
+  Answer answer = shaded(find, program, view, bounds, options, device);
+  if (options.samples > 1 && options.rgb && answer.outcome == device::Outcome::done)
+    antialias(answer, find, program, view, bounds, options, device);
+  return answer;
+}
+
+Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+                    device::Device& device) {
+  const Finder find = [&](const View& v, const Options& o) { return camera_passes(program, v, bounds, o, device); };
+  return picture(find, program, view, bounds, options, device);
 }
 
 std::string frame_source(const program::Program& program, const Bounds& bounds, const Options& options,

@@ -12,6 +12,8 @@
 #include "numerics/frustum_form.h"
 #include "numerics/reference.h"
 #include "render/camera_terms.h"
+#include "render/frustum_clip.h"
+#include "render/passes.h"
 #include "render/ray_terms.h"
 
 namespace irt::render {
@@ -55,9 +57,9 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   f.upper = bounds.upper;
   for (const Ball& ball : bounds.balls) f.balls.emplace_back(ball.center, ball.radius);
   const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
-  f.left = -half * aspect;
+  f.left = -half * aspect * (1 - 2 * static_cast<long double>(view.right_by) / view.columns);
   f.across = 2 * half * aspect * screen.tile / view.columns;
-  f.top = half;
+  f.top = half * (1 - 2 * static_cast<long double>(view.down_by) / view.rows);
   f.down = -2 * half * screen.tile / view.rows;
   // Depth of the bounds, and the tiles that they may touch.
   double near = HUGE_VAL, far = -HUGE_VAL;
@@ -174,10 +176,11 @@ kernel::Spec spec_of(const Options& options, const device::Device& device, Preci
 }
 
 numerics::Query query_of(const std::map<std::string, double>& parameters, const Bounds& bounds, const Options& options) {
-  numerics::Query query{bounds.lower, bounds.upper, {}, parameters, [&options](double) {
+  numerics::Query query{bounds.lower, bounds.upper, {}, {}, {}, parameters, [&options](double) {
     return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
   }};
   for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
+  for (const HalfSpace& h : bounds.half_spaces) query.half_spaces.push_back({h.normal, h.offset});
   return query;
 }
 
@@ -218,8 +221,8 @@ Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, c
   std::vector<numerics::Ray> rays;
   std::vector<double> lengths, tmin(open.size(), 0), tmax(open.size(), HUGE_VAL);
   for (const std::size_t i : open) {
-    const double sx = static_cast<double>((2 * (i % pitch + 0.5L) / view.columns - 1) * half * aspect),
-                 sy = static_cast<double>((1 - 2 * (i / pitch + 0.5L) / view.rows) * half);
+    const double sx = static_cast<double>((2 * (i % pitch + 0.5L + view.right_by) / view.columns - 1) * half * aspect),
+                 sy = static_cast<double>((1 - 2 * (i / pitch + 0.5L + view.down_by) / view.rows) * half);
     if (view.perspective) {
       const glm::dvec3 d = view.forward + sx * view.right + sy * view.up;
       lengths.push_back(glm::length(d));
@@ -275,6 +278,7 @@ Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view
   kernel::Spec spec = spec_of(options, device, precision, cells.degree, screen.tile);
   spec.entry = kernel::Entry::Camera;
   spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = make_answer(view.columns, view.rows, spec.width, precision, options);
@@ -353,9 +357,7 @@ void add_normals(const Expr& f, const std::map<std::string, double>& parameters,
   }
 }
 
-}  // namespace
-
-Answer render_frustum(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
+Answer frustum_passes(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
                       const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
   const numerics::Formula formula(f, parameters);
@@ -387,6 +389,18 @@ Answer render_frustum(const Expr& f, const std::map<std::string, double>& parame
   return answer;
 }
 
+}  // namespace
+
+Answer render_frustum(const program::Program& program, const Expr& f, const std::optional<Expr>& g, const std::map<std::string, double>& parameters,
+                      const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+  const Finder find = [&](const View& v, const Options& o) {
+    Answer answer = frustum_passes(f, parameters, v, bounds, o, device);
+    if (g && answer.outcome == device::Outcome::done) apply_clip(answer, program, *g, parameters, v, bounds, o, device);
+    return answer;
+  };
+  return picture(find, program, view, bounds, options, device);
+}
+
 Answer trace_frustum(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, const Bounds& bounds,
                      const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
@@ -398,6 +412,7 @@ Answer trace_frustum(const Expr& f, const std::map<std::string, double>& paramet
   kernel::Spec spec = spec_of(options, device, precision, plan.degree(), 0);
   spec.entry = kernel::Entry::RayList;
   spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   Answer answer = make_answer(count, 1, spec.width, precision, options);
   const std::size_t stride = answer.pitch;
   const RayTerms terms = make_terms(rays, nullptr, count, stride, bounds, precision, spec.split);
@@ -463,6 +478,7 @@ std::string frustum_source(const Expr& f, const std::map<std::string, double>& p
   const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   kernel::Spec spec = spec_of(options, device, precision, degree, tile_of(view, degree));
   spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   return kernel::assemble_frustum(spec);
 }
 

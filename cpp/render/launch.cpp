@@ -28,17 +28,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A colour in linear light, and its alpha, as sRGB bytes.
-std::uint32_t pixel_of(const std::array<double, 4>& color) {
-  std::uint32_t pixel = static_cast<std::uint32_t>(std::lround(255 * color[3])) << 24;
-  for (int k = 0; k < 3; ++k) {
-    const double c = std::clamp(color[k], 0.0, 1.0);
-    const double encoded = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-    pixel |= static_cast<std::uint32_t>(std::lround(255 * encoded)) << (8 * k);
-  }
-  return pixel;
-}
-
 // What stands where the time limit stops the frame: nothing is known from the start of the ray on.
 void leave_open(Answer& a, std::size_t n, const Options& options) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -105,6 +94,16 @@ Pool& pool() {
 
 }  // namespace
 
+std::uint32_t pixel_of(const std::array<double, 4>& color) {
+  std::uint32_t pixel = static_cast<std::uint32_t>(std::lround(255 * color[3])) << 24;
+  for (int k = 0; k < 3; ++k) {
+    const double c = std::clamp(color[k], 0.0, 1.0);
+    const double encoded = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+    pixel |= static_cast<std::uint32_t>(std::lround(255 * encoded)) << (8 * k);
+  }
+  return pixel;
+}
+
 Memory::Memory(std::size_t bytes) : bytes_(std::max(bytes, kAlignment)) {
   bytes_ = (bytes_ + kAlignment - 1) / kAlignment * kAlignment;
   void* p = pool().take(bytes_);
@@ -144,7 +143,7 @@ double reach(const Bounds& bounds) { return 0.5 * glm::length(bounds.upper - bou
 
 Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
                      double near) {
-  Reals q(precision, kSettings + 4 * bounds.balls.size());
+  Reals q(precision, kSettings + 4 * (bounds.balls.size() + bounds.half_spaces.size()));
   for (int k = 0; k < 3; ++k) {
     q.set(k, bounds.lower[k]);
     q.set(3 + k, bounds.upper[k]);
@@ -162,6 +161,11 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
     for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
     q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);
+  }
+  const std::size_t after = kSettings + 4 * bounds.balls.size();
+  for (std::size_t i = 0; i < bounds.half_spaces.size(); ++i) {
+    for (int k = 0; k < 3; ++k) q.set(after + 4 * i + k, bounds.half_spaces[i].normal[k]);
+    q.set(after + 4 * i + 3, bounds.half_spaces[i].offset);
   }
   return q;
 }
@@ -199,10 +203,9 @@ void prepare(const program::Program& program, const kernel::Spec& spec, device::
 }
 
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,
-            const Options& options, device::Device& device, Answer& answer) {
+            std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer) {
   const Reals parameters = parameter_ends(program, options, spec.precision);
   const auto buffer = parameters.buffer(device);
-  std::vector<device::Arg> more;
   if (program.inputs()) more.emplace_back(buffer.get());
   launch(kernel::assemble(program, spec), spec, std::move(args), settings, std::move(more), options, device, answer);
 }
@@ -227,7 +230,8 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   const std::size_t first_output = 1;
   args.emplace_back(keep(settings.buffer(device)));
   args.emplace_back(static_cast<std::int32_t>(answer.pitch));
-  args.emplace_back(static_cast<std::int32_t>(options.max_pieces > 0 ? options.max_pieces : kMaxPieces));
+  const bool finds = spec.entry != kernel::Entry::Neighbours;  // or only shades
+  if (finds) args.emplace_back(static_cast<std::int32_t>(options.max_pieces > 0 ? options.max_pieces : kMaxPieces));
   if (options.normal) {
     args.emplace_back(output(*answer.normal));
     args.emplace_back(static_cast<std::int32_t>(answer.pitch * answer.rows));
@@ -236,10 +240,9 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
     args.emplace_back(output(*answer.rgba));
     args.emplace_back(static_cast<std::int32_t>(pixel_of(options.background)));
   }
-  if (options.pieces) args.emplace_back(output(*answer.pieces));
-  args.emplace_back(output(*answer.depth));
-  args.emplace_back(output(*answer.uncertainty));
-  args.emplace_back(output(*answer.status));
+  if (finds && options.pieces) args.emplace_back(output(*answer.pieces));
+  if (finds)
+    for (const auto* m : {&answer.depth, &answer.uncertainty, &answer.status}) args.emplace_back(output(**m));
   const std::size_t last_output = buffers.size();
   args.insert(args.end(), more.begin(), more.end());
   device::Timing timing;
@@ -293,7 +296,15 @@ std::vector<std::size_t> undecided(const Answer& answer, const Options& options)
 
 void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where) {
   const std::size_t n = answer.pitch * answer.rows;
-  if (!answer.wide) {
+  const auto copy = [&](const Memory& to, std::size_t i, const Memory& from, std::size_t k) {
+    const double v = part.wide ? from.as<double>()[k] : static_cast<double>(from.as<float>()[k]);
+    if (answer.wide) {
+      to.as<double>()[i] = v;
+    } else {
+      to.as<float>()[i] = static_cast<float>(v);
+    }
+  };
+  if (part.wide && !answer.wide) {
     for (std::optional<Memory>* m : {&answer.depth, &answer.uncertainty}) {
       Memory wider(n * sizeof(double));
       std::copy_n((*m)->as<float>(), n, wider.as<double>());
@@ -304,8 +315,8 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
   const std::size_t part_plane = part.pitch * part.rows;
   for (std::size_t k = 0; k < where.size(); ++k) {
     const std::size_t i = where[k];
-    answer.depth->as<double>()[i] = part.depth->as<double>()[k];
-    answer.uncertainty->as<double>()[i] = part.uncertainty->as<double>()[k];
+    copy(*answer.depth, i, *part.depth, k);
+    copy(*answer.uncertainty, i, *part.uncertainty, k);
     answer.status->as<unsigned char>()[i] = part.status->as<unsigned char>()[k];
     if (answer.normal)
       for (std::size_t axis = 0; axis < 3; ++axis)

@@ -33,14 +33,17 @@ double reach(const Bounds& bounds);
 // The part of a specification that the options decide.
 kernel::Spec with_options(kernel::Spec spec, const Options& options);
 
+// A colour in linear light, and its alpha, as sRGB bytes.
+std::uint32_t pixel_of(const std::array<double, 4>& color);
+
 // Builds a kernel that a later call may need.
 void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device);
 
-// One launch of a trace kernel that writes into `answer`; `inputs` are the arguments that make the rays.
+// One launch of a kernel that writes into `answer`; `inputs` are the arguments that make the rays, `more` those after the results.
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,
-            const Options& options, device::Device& device, Answer& answer);
+            std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer);
 
-// The same for a kernel whose source does not come from a program; `more` are its arguments after the results.
+// The same for a kernel whose source does not come from a program.
 void launch(const std::string& source, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,
             std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer);
 
@@ -53,7 +56,7 @@ void tally(Answer& answer, const Options& options);
 // Pixels or rays that single precision left open, or whose bracket is wider than eps.
 std::vector<std::size_t> undecided(const Answer& answer, const Options& options);
 
-// Puts the results of `part`, in order, at the indices given; depth becomes double.
+// Puts the results of `part`, in order, at the indices given; depth becomes double where it is in `part`.
 void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where);
 
 }  // namespace irt::render

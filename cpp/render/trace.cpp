@@ -13,6 +13,7 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   spec.width = packet_width(device, precision);
   spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
   return with_options(spec, options);
 }
@@ -25,7 +26,7 @@ Answer pass(const program::Program& program, const Rays& rays, const std::vector
   const RayTerms terms = make_terms(rays, which, count, answer.pitch, bounds, precision, spec.split);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, 0);
   const auto buffer = terms.terms.buffer(device);
-  launch(program, spec, {buffer.get(), static_cast<std::int32_t>(answer.pitch)}, settings, options, device, answer);
+  launch(program, spec, {buffer.get(), static_cast<std::int32_t>(answer.pitch)}, settings, {}, options, device, answer);
   return answer;
 }
 

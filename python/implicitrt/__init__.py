@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path as _Path
 
 from implicitrt import _core
-from implicitrt.bounds import Sphere
+from implicitrt.bounds import Clip, HalfSpace, Sphere
 from implicitrt.camera import Camera
 from implicitrt.compare import Comparison, compare
 from implicitrt.devices import Device, devices
@@ -80,8 +80,8 @@ __version__ = "0.1.0"
 _core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels"))
 
 __all__ = [
-    "Abs", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Comparison", "Condition", "Contraction", "Device", "DeviceError", "E", "Eq",
-    "Error", "Expr", "ExpressionError", "Frame", "Hits", "LimitError", "Max", "Method", "MethodError", "Min", "Mod",
+    "Abs", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Clip", "Comparison", "Condition", "Contraction", "Device", "DeviceError", "E", "Eq",
+    "Error", "Expr", "ExpressionError", "Frame", "HalfSpace", "Hits", "LimitError", "Max", "Method", "MethodError", "Min", "Mod",
     "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Reference", "Sphere", "Stats", "Status", "acos", "asin", "atan",
     "atan2", "cbrt", "ceiling", "compare", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
     "kernel_source", "log", "methods", "parse", "pi", "reference", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",

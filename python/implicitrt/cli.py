@@ -33,13 +33,30 @@ def _numbers(text: str) -> list[float]:
         raise argparse.ArgumentTypeError(f"'{text}' are no numbers; separate them by commas") from None
 
 
-def _bounds(text: str) -> Any:
-    values = _numbers(text)
-    if len(values) == 1:
+_BOUNDS = "R, X0,X1,Y0,Y1,Z0,Z1, sphere:X,Y,Z,R, halfspace:NX,NY,NZ,OFFSET or clip:FORMULA"
+
+
+def _region(text: str) -> Any:
+    kind, _, rest = text.rpartition(":")
+    if kind == "clip":
+        return irt.Clip(rest)
+    try:
+        values = [float(p) for p in rest.split(",")]
+    except ValueError:
+        values = []
+    if kind == "sphere" and len(values) == 4:
+        return irt.Sphere(values[:3], values[3])
+    if kind == "halfspace" and len(values) == 4:
+        return irt.HalfSpace(values[:3], values[3])
+    if not kind and len(values) == 1:
         return values[0]
-    if len(values) == 6:
+    if not kind and len(values) == 6:
         return tuple(zip(values[::2], values[1::2], strict=True))
-    raise argparse.ArgumentTypeError("bounds are one number R, or X0,X1,Y0,Y1,Z0,Z1")
+    raise ArgumentError(f"'{text}' are no bounds; write {_BOUNDS}")
+
+
+def _samples(text: str | None) -> Any:
+    return int(text) if text is not None and text.isdecimal() else text
 
 
 def _parameter(text: str) -> tuple[str, float]:
@@ -67,7 +84,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     render.add_argument("--up", type=_numbers, default=[0, 1, 0], metavar="X,Y,Z", help="up for --camera")
     render.add_argument("--fov", type=float, default=40, help="vertical field of view in degrees for --camera")
-    render.add_argument("--bounds", type=_bounds, metavar="R", help="R, or X0,X1,Y0,Y1,Z0,Z1")
+    render.add_argument(
+        "--bounds", action="append", metavar="REGION", help=f"{_BOUNDS}; given several times, their intersection"
+    )
     render.add_argument("--method", default="auto", help=", ".join(irt.methods()))
     render.add_argument("--eps", type=float, help="width of a hit's bracket")
     render.add_argument("--device", help="part of a device's or driver's name (see info)")
@@ -75,6 +94,10 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--rounding", default="outward", choices=("outward", "fast"))
     render.add_argument(
         "--param", type=_parameter, action="append", default=[], metavar="NAME=VALUE", help="a parameter's value"
+    )
+    render.add_argument("--normals", default="gradient", choices=("gradient", "neighbours"))
+    render.add_argument(
+        "--antialias", metavar="N", help="means of N x N samples in each pixel, or 'silhouette': only where it shows"
     )
     compare = commands.add_parser("compare", help="chart speed against accuracy, method by method")
     compare.add_argument("what", metavar="NAME_OR_FORMULA", nargs="+", help="names (see list) or formulas")
@@ -122,9 +145,9 @@ def _render(args: argparse.Namespace) -> None:
             raise ArgumentError("--camera takes X,Y,Z or X,Y,Z,TX,TY,TZ")
         camera = irt.Camera(args.camera[:3], args.camera[3:] or (0, 0, 0), args.up, args.fov)
     frame = irt.render(
-        surface, bounds=args.bounds, camera=camera, size=args.size, method=args.method, eps=args.eps,
+        surface, bounds=args.bounds and [_region(text) for text in args.bounds], camera=camera, size=args.size, method=args.method, eps=args.eps,
         params=dict(args.param), device=args.device, precision=args.precision, rounding=args.rounding,
-        progress=_progress(),
+        normals=args.normals, antialias=_samples(args.antialias), progress=_progress(),
     )  # fmt: skip
     frame.save(output)
     stats = frame.stats

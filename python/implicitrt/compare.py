@@ -219,6 +219,7 @@ def compare(
     size: tuple[int, int] = (256, 256),
     device: str | None = None,
     *,
+    bounds: Any = None,
     runs: int = 5,
     precision: str = "auto",
     rounding: str = "outward",
@@ -231,6 +232,7 @@ def compare(
         methods: names of `methods()`, default all of them.
         eps: a number or several, in units of distance.
         size: of the pictures, (width, height).
+        bounds: as in `render`, for all of the formulas.
         runs: timed frames, whose median counts; one more goes before them.
         precision, rounding: as in `render`.
         progress: called with a line for each point; default: a line on standard error where that is a terminal.
@@ -256,7 +258,9 @@ def compare(
     try:
         for f in _list(formulas, (str, Expr, NamedSurface)):
             name, formula = _named(f)
-            keywords: dict[str, Any] = {"size": size, "device": device, "precision": precision, "outputs": ("normal",)}
+            keywords: dict[str, Any] = {
+                "bounds": bounds, "size": size, "device": device, "precision": precision, "outputs": ("normal",),
+            }  # fmt: skip
             # One look at each ray and a gradient: what no root finder can go below.
             looks = [
                 render(formula, eps=1e6, method="raa", rounding="fast", **keywords | {"precision": "single"})
@@ -264,7 +268,7 @@ def compare(
             ]
             limit = 1e3 * statistics.median(g.stats.seconds["kernel"] for g in looks[1:])
             used, camera = looks[0].stats.device, looks[0].camera
-            truth = reference(formula, size=size)
+            truth = reference(formula, bounds=bounds, size=size)
             normals = _true_normals(formula, truth, camera, size)
             for method in chosen:
                 for width in widths:

@@ -98,7 +98,8 @@ def reference(
     are isolated by Descartes' rule; everything else is subdivided with ranges of f and of its
     derivative. Both start with intervals of doubles and go on, from where those cannot decide, with
     more bits: see `Reference.precision`. Rays and parameters are taken to be exactly the doubles
-    given. Runs on the host, on all cores, and shares no arithmetic with the kernels.
+    given. Zeros where a `Clip` is proven positive are passed over; where its sign on a bracket cannot be
+    told the ray is UNRESOLVED. Runs on the host, on all cores, and shares no arithmetic with the kernels.
 
     Args:
         f, bounds, camera, size, params, isovalue: as in `render`.
@@ -145,14 +146,13 @@ def reference(
     else:
         o, d, near, far, region = ray_batch(f, origins, directions, tmin, tmax, bounds)
         shape = (len(o),)
-    values = request_parameters(f, expr, params)
+    values = request_parameters(f, expr, params, region)
     if isovalue is not None:
         expr = expr - float(isovalue)
     request = {
         "origins": o, "directions": d, "tmin": np.maximum(near, -1e300), "tmax": np.minimum(far, 1e300),
-        "lower": region.lower, "upper": region.upper, "spheres": [(*s.center, s.radius) for s in region.spheres],
         "params": values, "time_limit": time_limit, "progress": progress,
-    }  # fmt: skip
+    } | region.request()  # fmt: skip
     result = _core.reference(expr._node, request)
     return Reference(result, shape, time.perf_counter() - started)
 

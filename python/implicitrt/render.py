@@ -15,7 +15,7 @@ from implicitrt import _core
 from implicitrt.bounds import Bounds
 from implicitrt.camera import Camera
 from implicitrt.devices import open_device
-from implicitrt.errors import ArgumentError, LimitError
+from implicitrt.errors import ArgumentError, LimitError, MethodError
 from implicitrt.expression import Expr, ExprLike, check_parameter_names, sympify
 from implicitrt.frame import Frame, Hits, Stats, Status
 from implicitrt.surfaces import NamedSurface
@@ -37,6 +37,8 @@ __all__ = [
 ]
 
 MAX_PIXELS = 1 << 26  # caps.h: kPixels
+MAX_SAMPLES = 16  # in a row and in a column of a pixel: each costs a frame
+SILHOUETTE_SAMPLES = 4  # likewise; steps of 1/16 in coverage are hardly seen
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,10 @@ def _choose(expr: Expr) -> tuple[str, str]:
     return "contract", "it is curved, and affine forms tell along the ray where zeros may lie"
 
 
+# Methods whose root finder asks the clip formula (REGION_VARIABLES in kernels/contract.cl), or whose roots are judged by it
+# (cpp/render/frustum_clip.h).
+_CLIPPING = frozenset({"ia", "raa", "contract", *(f"frustum-{finder}" for finder in _FRUSTUM_FINDERS)})
+
 _CURVED = frozenset({
     "Pow", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "cbrt",
 })  # fmt: skip
@@ -179,15 +185,26 @@ def _finite(value: Any, what: str) -> float:
     return number
 
 
-def request_parameters(f: Any, expr: Expr, params: Mapping[str, float] | None) -> dict[str, float]:
+def request_parameters(
+    f: Any, expr: Expr, params: Mapping[str, float] | None, bounds: Bounds | None = None
+) -> dict[str, float]:
+    """A checked value for each parameter of the formula and of the bounds' clips."""
     if params is not None and not isinstance(params, Mapping):
         raise ArgumentError(f"params must be a mapping of names to numbers, not {params!r}")
-    names = sorted({s.name for s in expr.free_symbols} - {"x", "y", "z"})
+    names = parameter_names(expr, bounds)
     defaults = dict(f.params) if isinstance(f, NamedSurface) else {}
     given = {str(k): v for k, v in (params or {}).items()}
     values = defaults | given
     check_parameter_names(names, values)
     return {k: _finite(v, f"the parameter '{k}'") for k, v in values.items()}
+
+
+def parameter_names(expr: Expr, bounds: Bounds | None) -> list[str]:
+    """Symbols of the formula and of the bounds' clips, other than x, y, z; sorted."""
+    symbols = set(expr.free_symbols)
+    for c in bounds.clips if bounds else ():
+        symbols |= c.g.free_symbols
+    return sorted({s.name for s in symbols} - {"x", "y", "z"})
 
 
 def _color(value: Any, what: str) -> tuple[float, float, float]:
@@ -243,6 +260,10 @@ def _common(
 ) -> tuple[dict[str, Any], str]:  # fmt: skip
     """The part of a request that render and trace share, and why its method was chosen."""
     name, reason = _resolve(method, expr)
+    if bounds.clips and name not in _CLIPPING:
+        raise MethodError(
+            f"{name} knows boxes, balls and half-spaces, not irt.Clip; {', '.join(sorted(_CLIPPING))} know it"
+        )
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
     request = {
@@ -252,16 +273,13 @@ def _common(
         "precision": _one_of(precision, "precision", ("auto", "single", "double")),
         "rounding": _one_of(rounding, "rounding", ("outward", "fast")),
         "eps": bounds.default_eps if eps is None else _positive(eps, "eps"),
-        "params": request_parameters(f, expr, params),
+        "params": request_parameters(f, expr, params, bounds),
         "isovalue": None if isovalue is None else _finite(isovalue, "isovalue"),
-        "lower": bounds.lower,
-        "upper": bounds.upper,
-        "spheres": [(*s.center, s.radius) for s in bounds.spheres],
         "max_pieces": int(max_pieces or 0),
         "time_limit": None if time_limit is None else _positive(time_limit, "time_limit"),
         "progress": progress,
         "device": open_device(device),
-    }
+    } | bounds.request()
     return request, reason
 
 
@@ -300,6 +318,8 @@ def render(
     max_pieces: int | None = None,
     time_limit: float | None = None,
     outputs: Collection[str] = ("rgb", "normal"),
+    normals: str = "gradient",
+    antialias: str | int | None = None,
     color: Any = "#5b9bd5",
     back_color: Any = "#e07b39",
     light: Any = (0.3, 0.9, 0.4),
@@ -312,13 +332,14 @@ def render(
     Args:
         f: a formula (Expr, string, SymPy object) or a named surface.
         bounds: where surface counts: r for the cube [-r, r]^3, a box ((x0, x1), (y0, y1), (z0, z1)),
-            `Sphere`, or a list of them. Default: the named surface's, else 2.
+            `Sphere`, or a list of them, which may hold `HalfSpace` and `Clip` as well: their
+            intersection. Clipped surfaces are open, not capped. Default: the named surface's, else 2.
         camera: `Camera`; default: the named surface's, else one with the bounds in view.
         size: (width, height) in pixels.
         method: a name of `methods()`, or a `Bisection`.
         eps: the width that a hit's bracket is to reach, in units of distance. Default: a thousandth
             of half the largest side of the bounds.
-        params: values of the formula's parameters. Changing them compiles nothing.
+        params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing.
         device: part of a device's or driver's name; default: IMPLICITRT_DEVICE, else the best.
         precision: "single", "double", or "auto": single, and double where single cannot reach eps.
         rounding: "outward": every step is rounded so that MISS and HIT are proven; "fast": none is.
@@ -327,6 +348,13 @@ def render(
         time_limit: seconds after which the rest of the frame is left UNRESOLVED.
         outputs: of "rgb", "normal" and "pieces" (how many pieces each ray took) those that are
             wanted; kernels contain nothing else.
+        normals: "gradient", which is exact; or "neighbours": from the points of neighbouring pixels, which
+            exist where the gradient vanishes (double surfaces), and are as good as eps is small beside
+            a pixel. Next to silhouettes differences are one-sided; pixels that no neighbour in their
+            row or in their column helps take the gradient.
+        antialias: None; n for the mean of n x n samples in each pixel, in linear light; or "silhouette":
+            4 x 4 samples, with gradient normals, in pixels next to a miss or a jump of depth only.
+            Changes rgb and rgba alone: all else is that of the pixels' centres.
         color, back_color: of the sides where f > 0 and f < 0, as CSS name, "#rrggbb", or 0..1 sRGB.
         light: a direction towards the one light besides the headlight; None for none.
         background: a colour, or None for transparent.
@@ -339,7 +367,8 @@ def render(
     Raises:
         ExpressionError, ArgumentError, LimitError, DeviceError, BuildError.
 
-    Source: S1 (Knoll et al.) sections 4 and 5.
+    Source: S1 (Knoll et al.) sections 4 and 5; S2 (Reimers and Seland) sections 4.2 to 4.4 for clip
+    regions, normals from neighbours and anti-aliasing.
     """
     started = time.perf_counter()
     expr = sympify(f)
@@ -358,6 +387,9 @@ def render(
     )
     request |= {
         "want": set(outputs),
+        "neighbours": _one_of(normals, "normals", ("gradient", "neighbours")) == "neighbours",
+        "samples": _samples(antialias),
+        "everywhere": antialias != "silhouette",
         "width": width,
         "height": height,
         "camera": camera.request(),
@@ -371,6 +403,19 @@ def render(
     result = _core.render_frame(expr._node, request)
     stats = _stats(request, result, method, reason, started, parsed)
     return Frame(result, camera, region, request["params"], stats)
+
+
+def _samples(antialias: Any) -> int:
+    """Samples in a row and in a column of a pixel."""
+    if antialias is None:
+        return 1
+    if isinstance(antialias, str) and antialias == "silhouette":
+        return SILHOUETTE_SAMPLES
+    if isinstance(antialias, (int, np.integer)) and not isinstance(antialias, bool) and 1 <= antialias <= MAX_SAMPLES:
+        return int(antialias)
+    raise ArgumentError(
+        f'antialias must be None, "silhouette" or a whole number from 1 to {MAX_SAMPLES}, not {antialias!r}'
+    )
 
 
 def _unit(light: Any) -> tuple[float, float, float]:
@@ -667,8 +712,11 @@ def kernel_source(
     """The OpenCL C that `render` would run, readable; parameters need no values for it."""
     expr = sympify(f)
     region = request_region(f, bounds)
-    names = {s.name for s in expr.free_symbols} - {"x", "y", "z"}
-    values = {n: 1.0 for n in names} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
+    values = (
+        {n: 1.0 for n in parameter_names(expr, region)}
+        | (dict(f.params) if isinstance(f, NamedSurface) else {})
+        | dict(params or {})
+    )
     request, _ = _common(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None)
     black = (0.0, 0.0, 0.0)
     request |= {

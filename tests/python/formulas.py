@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 import implicitrt as irt
 
@@ -43,7 +44,7 @@ def formula(seed: int) -> str:
 
 
 def check(
-    f: str, size: int, seed: int, methods: tuple[str, ...], widths: tuple[float, ...]
+    f: str, size: int, seed: int, methods: tuple[str, ...], widths: tuple[float, ...], bounds: Any = 1.5
 ) -> dict[tuple[str, float], dict[str, int]]:
     """Statuses of `size` rays through f, against the reference; asserts that none lies.
 
@@ -59,12 +60,12 @@ def check(
     origins *= 4 / np.linalg.norm(origins, axis=1)[:, None]
     directions = rng.uniform(-1.1, 1.1, (size, 3)) - origins
     directions /= np.linalg.norm(directions, axis=1)[:, None]
-    truth = irt.reference(f, origins, directions, bounds=1.5)
+    truth = irt.reference(f, origins, directions, bounds=bounds)
     counts = {}
     for method in methods:
         for eps in widths:
-            hits = irt.trace(f, origins, directions, bounds=1.5, method=method, eps=eps)
-            where = f"{f!r}, {method}, eps {eps:g}"
+            hits = irt.trace(f, origins, directions, bounds=bounds, method=method, eps=eps)
+            where = f"{f!r}, bounds {bounds}, {method}, eps {eps:g}"
             found = truth.hit
             wrong_miss = np.flatnonzero(found & (hits.status == Status.MISS))
             assert not len(wrong_miss), (

@@ -21,6 +21,10 @@ def test_render_a_name_and_a_formula(tmp_path: Path, capsys: pytest.CaptureFixtu
     arguments = ["render", "x^2 + y^2 + z^2 = a", "-o", str(tmp_path / "b.npz"), "--size", "16", "--param", "a=0.5"]
     assert main([*arguments, "--bounds", "1", "--camera", "0,0,4", "--eps", "1e-4", "--method", "raa"]) == 0
     assert np.load(tmp_path / "b.npz")["depth"].shape == (16, 16)
+    for samples in ("silhouette", "2"):
+        more = ["--antialias", samples, "--normals", "neighbours", "--bounds", "1"]
+        assert main([*arguments[:3], str(tmp_path / f"{samples}.npz"), *arguments[4:], *more]) == 0
+        assert len(np.unique(np.load(tmp_path / f"{samples}.npz")["rgba"][..., 0])) > 8
 
 
 def test_list_and_info(capsys: pytest.CaptureFixture[str]) -> None:
@@ -38,6 +42,7 @@ def test_list_and_info(capsys: pytest.CaptureFixture[str]) -> None:
         (["render", "x", "-o", "a.gif"], ".png or .npz"),
         (["render", "x", "-o", "nowhere/a.png"], "cannot write"),
         (["render", "x", "-o", "a.png", "--device", "none such"], "none such"),
+        (["render", "x", "-o", "a.png", "--antialias", "much"], "antialias must be"),
     ],
 )
 def test_errors_are_one_line_and_leave_nothing(

@@ -71,6 +71,20 @@ TEST(Assemble, UserTextStandsOnlyInComments) {
   EXPECT_EQ(text.find("evil_name"), text.rfind("evil_name"));
 }
 
+TEST(Assemble, AClipFormulaIsAskedBesideTheOther) {
+  const Expr g = parse("sin(x*y) - h");
+  const Program p = lower(parse("a*sin(x*y) + z^3"), true, &g);
+  EXPECT_EQ(count(p, Code::Sin), 1);
+  EXPECT_EQ(p.parameters, (std::vector<std::string>{"a", "h"}));
+  for (const bool affine : {false, true}) {
+    kernel::set_directory(IRT_KERNEL_DIR);
+    EXPECT_NE(kernel::assemble(p, {.affine = affine}).find("*outside = "), std::string::npos);
+    EXPECT_EQ(source("a*sin(x*y) + z^3", affine, false).find("*outside = "), std::string::npos);
+  }
+  const Expr condition = parse("x < y");
+  EXPECT_THROW(lower(parse("x"), false, &condition), ExpressionError);
+}
+
 TEST(Magnitude, TellsWhatCanOverflow) {
   const double at[3] = {2, 2, 2};
   EXPECT_LT(magnitude(lower(parse("x^2 + 3*y")), at, {}), 100);

@@ -1,0 +1,119 @@
+"""The frustum form and its root finders (S2): judged by the reference, never rebuilt, refused where they do not apply."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import implicitrt as irt
+from implicitrt import Status
+
+FINDERS = [name for name in irt.methods() if name.startswith("frustum-")]
+# Simple, singular, of high degree, with printed coefficients that cancel.
+SURFACES = ["sphere", "cayley", "barth_sextic", "barth_decic", "supersphere_16"]
+
+
+def _judge(found: irt.Frame | irt.Hits, depth: np.ndarray, truth: irt.Reference) -> None:
+    assert not ((found.status == Status.MISS) & truth.hit).any()
+    assert not ((found.status == Status.HIT) & (truth.kind == Status.MISS)).any()
+    both = (found.status == Status.HIT) & truth.hit
+    slack = found.uncertainty[both] + truth.uncertainty[both]
+    assert (np.abs(depth[both] - truth.depth[both]) <= slack).all()
+
+
+def test_all_of_the_paper() -> None:
+    assert set(FINDERS) == {f"frustum-{f}" for f in ("lr", "lr-mult", "mr", "mr-mult", "clip", "midpoint")}
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_frames(name: str) -> None:
+    surface = irt.surfaces[name]
+    truth = irt.reference(surface, size=(48, 48))
+    for method in FINDERS:
+        for precision in ("single", "auto"):
+            frame = irt.render(surface, size=(48, 48), method=method, precision=precision, eps=1e-4)
+            _judge(frame, frame.depth, truth)
+        # What single precision leaves open has gone to double and to the reference.
+        assert (frame.status == truth.kind).all()
+        assert frame.stats.wide == 0
+
+
+def test_trace() -> None:
+    rng = np.random.default_rng(2)
+    o = rng.normal(size=(500, 3)) * 4
+    d = rng.uniform(-1, 1, (500, 3)) - o
+    f = "(x^2 + y^2 + z^2)^2 - 3 x y z - x^2 + 0.2"
+    truth = irt.reference(f, o, d, bounds=1.5)
+    exact = irt.trace(f, o, d, bounds=1.5, method="contract", precision="double", eps=1e-9)
+    for method in FINDERS:
+        hits = irt.trace(f, o, d, bounds=1.5, method=method, eps=1e-5)
+        _judge(hits, hits.t, truth)
+        assert (hits.status == truth.kind).all()
+        both = hits.hit & exact.hit
+        assert np.nanmin((hits.normal * exact.normal).sum(1)[both]) > 1 - 1e-3
+
+
+def test_normals_are_those_of_the_gradient() -> None:
+    surface = irt.surfaces["tangle"]
+    form = irt.render(surface, size=(64, 64), method="frustum-lr", eps=1e-6)
+    program = irt.render(surface, size=(64, 64), method="contract", eps=1e-6)
+    both = (form.status == Status.HIT) & (program.status == Status.HIT)
+    assert np.quantile((form.normal * program.normal).sum(-1)[both], 0.02) > 1 - 1e-5
+
+
+def test_cameras() -> None:
+    f = "x^4 + y^4 + z^4 - 1.2 x^2 - 0.3 y + 0.1"
+    for camera in (
+        irt.Camera((3, 2, 4), projection="orthographic", height=3),
+        irt.Camera((0.2, 0.1, 0.3), target=(1, 0, 0)),  # inside the bounds
+        irt.Camera((900, 500, 1200), fov=0.2),
+    ):
+        truth = irt.reference(f, camera=camera, bounds=1.5, size=(40, 40))
+        frame = irt.render(f, camera=camera, bounds=1.5, size=(40, 40), method="frustum-clip", eps=1e-4)
+        _judge(frame, frame.depth, truth)
+        assert (frame.status == truth.kind).mean() > 0.995
+
+
+def test_another_polynomial_builds_nothing() -> None:
+    irt.render("x^3 + y^3 + z^3 - a", params={"a": 0.4}, size=(64, 64), method="frustum-lr")
+    for f, a in (("x^3 + y^3 + z^3 - a", 0.7), ("x*y*z - a*x^2 - 0.1", 0.2)):
+        frame = irt.render(f, params={"a": a}, size=(64, 64), method="frustum-lr", camera=irt.Camera((2, 3, 4)))
+        assert frame.stats.builds == 0
+        assert frame.hit.any()
+
+
+@pytest.mark.parametrize("scale", ["1e30", "1e-30"])
+def test_coefficients_of_any_size(scale: str) -> None:
+    plain = irt.render("x^2 + y^2 + z^2 - 1", size=(32, 32), method="frustum-lr", bounds=1.5)
+    scaled = irt.render(f"{scale}*(x^2 + y^2 + z^2 - 1)", size=(32, 32), method="frustum-lr", bounds=1.5)
+    assert (plain.status == scaled.status).all()
+
+
+def test_leading_terms_may_vanish() -> None:
+    frame = irt.render("a*x^5 + x^2 + y^2 + z^2 - 1", params={"a": 0}, size=(32, 32), method="frustum-mr", bounds=1.5)
+    sphere = irt.render("x^2 + y^2 + z^2 - 1", size=(32, 32), method="contract", bounds=1.5)
+    assert (frame.status == sphere.status).all()
+
+
+@pytest.mark.parametrize("f", ["sin(x) - y", "x^64 + y^64 - z", "Abs(x) - y", "1/x - y", "x*0 + 3"])
+def test_what_is_refused(f: str) -> None:
+    with pytest.raises(irt.MethodError, match="contract"):
+        irt.render(f, size=(8, 8), method="frustum-lr")
+
+
+def test_insertions_differ_as_in_the_paper() -> None:
+    """S2 table 2: halving takes more steps than zeros of the control polygon, knots more than pieces of what they replace."""
+    mean = {
+        m: irt.render(irt.surfaces["barth_sextic"], size=(64, 64), method=m, eps=1e-6, precision="double",
+                      outputs=("pieces",)).pieces.mean()
+        for m in FINDERS
+    }  # fmt: skip
+    assert mean["frustum-midpoint"] > 1.5 * mean["frustum-lr"]
+    assert len({round(float(v), 2) for v in mean.values()}) == len(FINDERS)
+
+
+def test_kernel_has_no_formula() -> None:
+    a = irt.kernel_source("x^3 + y*z^2 - 1", method="frustum-lr")
+    b = irt.kernel_source("x*y*z + 7.25", method="frustum-lr")
+    assert a == b
+    assert "irt_affine" not in a and "irt_interval" not in a
