@@ -56,9 +56,11 @@
 #if IRT_INFINITE
 #define CAP_LOWER(v) min(v, (F)HUGE_REAL)
 #define CAP_UPPER(v) max(v, (F)-HUGE_REAL)
+#define CAP_EARLY(v) min(v, (F)(R(0.5) * HUGE_REAL))  // a lower end by functions that may overflow a little early
 #define NAN_TO(v, w) SELECT(EQ(v, v), v, w)
 #else
 #define CAP_LOWER(v) (v)
+#define CAP_EARLY(v) (v)
 #define CAP_UPPER(v) (v)
 #define NAN_TO(v, w) (v)
 #endif
