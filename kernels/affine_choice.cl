@@ -10,7 +10,7 @@ static inline RA ra_abs(RA a, IA range, IA result) {
 #else
   const F z = fma(fabs(alpha), a.z, gap);
 #endif
-  const I above = GE(range.lo, (F)0), below = LE(range.hi, (F)0), through = LT(gap, INF) & LE(gap, result.hi);
+  const I above = GE(range.lo, (F)0), below = LE(range.hi, (F)0), through = LT(width, INF) & LT(gap, INF) & LE(gap, result.hi);
   const RA line = ra(x, y, z), box = ra_from_range(result), unsure = RA_PICK(through, line, box), minus = ra_neg(a);
   const RA one = RA_PICK(below, minus, unsure);
   return RA_PICK(above, a, one);

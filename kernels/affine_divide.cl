@@ -1,10 +1,12 @@
 // Reciprocals, quotients and roots of affine forms (affine_smooth.cl). Their remainders have closed forms.
 
+#define SQUARES_STAY_NORMAL(x) (LT(fabs(x), (F)MODEST) & GT(fabs(x), (F)(R(1.0) / MODEST)))
+
 // 1 / (x + d) - (1 / x - d / x^2) = d^2 / (x^2 (x + d))
 static inline RA ra_recip(RA a, IA range, IA result) {
   const F reach = ra_reach(a), v = R(1.0) / a.x, near = min(fabs(range.lo), fabs(range.hi)), q = v * v * reach * (reach / near);
   const I apart = GT(range.lo, (F)TINY) | LT(range.hi, (F)-TINY), above = GT(a.x, (F)0);
-  return ra_smooth(a, reach, v, -v * v, SELECT(above, (F)0, -q), SELECT(above, q, (F)0), R(14.0), apart & WITHIN(a, range), result);
+  return ra_smooth(a, reach, v, -v * v, SELECT(above, (F)0, -q), SELECT(above, q, (F)0), R(14.0), apart & SQUARES_STAY_NORMAL(a.x) & WITHIN(a, range), result);
 }
 
 static inline RA ra_div(RA a, RA b, IA a_range, IA b_range, IA result) {

@@ -12,9 +12,9 @@
 #define WITHIN(a, range) (GE((a).x, (range).lo) & LE((a).x, (range).hi))
 
 // The form value + slope d + [low, high], |d| <= reach, low <= 0 <= high, where `allowed`; else the range. Value, slope, low
-// and high are known to k - 3 ulp.
+// and high are known to k - 3 ulp, the slope to TINY where it is smaller.
 static inline RA ra_smooth(RA a, F reach, F value, F slope, F low, F high, real k, I allowed, IA range) {
-  const F waste = R(0.5) * (high - low), x = value + R(0.5) * (low + high);
+  const F waste = fma((F)TINY, reach, R(0.5) * (high - low)), x = value + R(0.5) * (low + high);
 #if IRT_OUTWARD
   const F z = fma((F)(k * ULP), fabs(value) + fma(fabs(slope), reach, high - low), fma(fabs(slope), a.z, waste)) + (F)TINY;
 #else

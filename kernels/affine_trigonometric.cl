@@ -3,15 +3,15 @@
 // sin(x + d) lies within |d|^3 / 6 of S + C d - S d^2 / 2. Needs no range: past some two units it is [-1, 1].
 static inline RA ra_wave(RA a, F value, F slope) {
   const F reach = ra_reach(a), bend = R(-0.5) * value * reach * reach, rest = R(0.1667) * reach * reach * reach;
-  return ra_smooth(a, reach, value, slope, min(bend, (F)0) - rest, max(bend, (F)0) + rest, R(10.0), ALL, ia((F)-1, (F)1));
+  return ra_smooth(a, reach, value, slope, min(bend, (F)0) - rest, max(bend, (F)0) + rest, R(10.0), LE(fabs(a.x), (F)WAVE_REACH), ia((F)-1, (F)1));
 }
 
-static inline RA ra_sin(RA a) { return ra_wave(a, sin(a.x), cos(a.x)); }
-static inline RA ra_cos(RA a) { return ra_wave(a, cos(a.x), -sin(a.x)); }
+static inline RA ra_sin(RA a) { return ra_wave(a, sin(WAVE_CLIP(a.x)), cos(WAVE_CLIP(a.x))); }
+static inline RA ra_cos(RA a) { return ra_wave(a, cos(WAVE_CLIP(a.x)), -sin(WAVE_CLIP(a.x))); }
 
 // g'' = 2 g (1 + g^2) rises.
 static inline RA ra_tan(RA a, IA range, IA result) {
-  const F reach = ra_reach(a), v = tan(a.x), h = reach * reach, lo = result.lo, hi = result.hi;
+  const F reach = ra_reach(a), v = tan(WAVE_CLIP(a.x)), h = reach * reach, lo = result.lo, hi = result.hi;
   return ra_smooth(a, reach, v, fma(v, v, (F)1), min(h * lo * fma(lo, lo, (F)1), (F)0), max(h * hi * fma(hi, hi, (F)1), (F)0), R(26.0),
                    WITHIN(a, range) & GT(lo, -INF) & LT(hi, INF), result);
 }

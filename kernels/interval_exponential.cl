@@ -1,7 +1,7 @@
 // Exponential, logarithm and hyperbolic functions over intervals.
 
 static inline IA ia_exp(IA a) {
-  return ia(max(LOWER(CAP_LOWER(exp(a.lo)), R(4.0)), (F)0), UPPER(exp(a.hi), R(4.0)));
+  return ia(max(LOWER(CAP_EARLY(exp(a.lo)), R(4.0)), (F)0), UPPER(exp(a.hi), R(4.0)));
 }
 
 // Ends below TINY count as zero: devices may flush them.
@@ -12,11 +12,11 @@ static inline IA ia_log(IA a, I* undefined, I* rough) {
   return ia(SELECT(LE(a.lo, (F)TINY), -INF, lo), hi);
 }
 
-static inline IA ia_sinh(IA a) { return IA_OUT(sinh(a.lo), sinh(a.hi), R(5.0)); }
+static inline IA ia_sinh(IA a) { return IA_OUT(CAP_EARLY(sinh(a.lo)), -CAP_EARLY(-sinh(a.hi)), R(5.0)); }
 
 static inline IA ia_cosh(IA a) {
   const IA m = ia_abs(a);
-  return ia(max(LOWER(CAP_LOWER(cosh(m.lo)), R(5.0)), (F)1), UPPER(cosh(m.hi), R(5.0)));
+  return ia(max(LOWER(CAP_EARLY(cosh(m.lo)), R(5.0)), (F)1), UPPER(cosh(m.hi), R(5.0)));
 }
 
 static inline IA ia_tanh(IA a) {

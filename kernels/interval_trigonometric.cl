@@ -4,6 +4,11 @@
 // a multiple of the period lies between. q carries a margin for its own rounding, so that an extreme is at worst
 // reported where it lies just outside, which is sound. Beyond some 1e6 (float) the margin exceeds a period: [-1, 1].
 
+// Arguments past WAVE_REACH, where `ia_meets` holds, are clipped: PoCL's sin, cos and tan of packets of floats spoil the small
+// lanes where one lane is past 2^23 (sin(0.0014) became 0.0113).
+#define WAVE_REACH (R(0.1) / ULP)
+#define WAVE_CLIP(x) clamp(x, (F)(-WAVE_REACH), (F)WAVE_REACH)
+
 #define TWO_OVER_PI R(0.63661977236758134308)
 
 // Quarter turns from `offset` to the ends, widened by the rounding of x * 2/pi.
@@ -22,13 +27,13 @@ static inline IA ia_wave(F at_lo, F at_hi, I peak, I trough) {
   return ia(lo, hi);
 }
 
-static inline IA ia_sin(IA a) { return ia_wave(sin(a.lo), sin(a.hi), ia_meets(a, R(-0.25)), ia_meets(a, R(0.25))); }
+static inline IA ia_sin(IA a) { return ia_wave(sin(WAVE_CLIP(a.lo)), sin(WAVE_CLIP(a.hi)), ia_meets(a, R(-0.25)), ia_meets(a, R(0.25))); }
 
-static inline IA ia_cos(IA a) { return ia_wave(cos(a.lo), cos(a.hi), ia_meets(a, R(0.0)), ia_meets(a, R(0.5))); }
+static inline IA ia_cos(IA a) { return ia_wave(cos(WAVE_CLIP(a.lo)), cos(WAVE_CLIP(a.hi)), ia_meets(a, R(0.0)), ia_meets(a, R(0.5))); }
 
 // Poles lie a quarter turn after every half turn.
 static inline IA ia_tan(IA a, I* undefined, I* rough) {
-  const F l = tan(a.lo), h = tan(a.hi);
+  const F l = tan(WAVE_CLIP(a.lo)), h = tan(WAVE_CLIP(a.hi));
   const I pole = ia_meets(a, R(-0.25)) | ia_meets(a, R(0.25)) | ~LE(l, h);
   *undefined = NONE;
   *rough = pole;

@@ -28,6 +28,7 @@
 #define ULP 0x1p-52     // spacing of reals just above 1
 #define TINY 0x1p-1022  // least normal real: what an operation can lose to underflow
 #define HUGE_REAL 0x1.fffffffffffffp+1023
+#define MODEST 0x1p500  // squares of it and of its reciprocal are far from overflow and underflow
 #define PI_LO 0x1.921fb54442d18p+1
 #define PI_HI 0x1.921fb54442d19p+1
 #else
@@ -35,6 +36,7 @@
 #define ULP 0x1p-23f
 #define TINY 0x1p-126f
 #define HUGE_REAL 0x1.fffffep+127f
+#define MODEST 0x1p60f
 #define PI_LO 0x1.921fb4p+1f
 #define PI_HI 0x1.921fb6p+1f
 #endif
@@ -56,9 +58,11 @@
 #if IRT_INFINITE
 #define CAP_LOWER(v) min(v, (F)HUGE_REAL)
 #define CAP_UPPER(v) max(v, (F)-HUGE_REAL)
+#define CAP_EARLY(v) min(v, (F)(R(0.5) * HUGE_REAL))  // a lower end by functions that may overflow a little early
 #define NAN_TO(v, w) SELECT(EQ(v, v), v, w)
 #else
 #define CAP_LOWER(v) (v)
+#define CAP_EARLY(v) (v)
 #define CAP_UPPER(v) (v)
 #define NAN_TO(v, w) (v)
 #endif

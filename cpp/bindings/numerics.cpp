@@ -1,13 +1,16 @@
-// Bindings of cpp/numerics: the reference.
+// Bindings of cpp/numerics: the reference, and values at points.
 #include <pybind11/functional.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <cmath>
+#include <cstring>
 
 #include "bindings/bindings.h"
 #include "error.h"
 #include "numerics/reference.h"
+#include "numerics/values.h"
 
 namespace py = pybind11;
 
@@ -67,10 +70,28 @@ py::dict reference(const Expr& f, const py::dict& request) {
   return py::dict(py::arg("kind") = kind, py::arg("arithmetic") = arithmetic, py::arg("lo") = lo, py::arg("hi") = hi);
 }
 
+py::array_t<double> values(const Expr& f, const Doubles& points) {
+  if (points.ndim() != 2 || points.shape(1) != 3) throw ArgumentError("points must have shape (N, 3)");
+  for (py::ssize_t i = 0; i < points.size(); ++i)
+    if (!std::isfinite(points.data()[i])) throw ArgumentError("points must be finite");
+  const auto n = static_cast<std::size_t>(points.shape(0));
+  const std::span<const std::array<double, 3>> span(reinterpret_cast<const std::array<double, 3>*>(points.data()), n);
+  std::vector<std::array<double, 2>> found;
+  {
+    const py::gil_scoped_release release;
+    found = numerics::values_at(f, span);
+  }
+  py::array_t<double> out({static_cast<py::ssize_t>(n), static_cast<py::ssize_t>(2)});
+  if (n) std::memcpy(out.mutable_data(), found.data(), n * sizeof found[0]);
+  return out;
+}
+
 }  // namespace
 
 void bind_numerics(py::module_& m) {
   m.def("reference", &reference, py::arg("expr"), py::arg("request"), "The first zero on each ray, proven; see reference.py.");
+  m.def("values", &values, py::arg("expr"), py::arg("points"),
+        "The doubles around f at each of (N, 3) points, by MPFR: (N, 2); nan where f has no value.");
 }
 
 }  // namespace irt::bindings

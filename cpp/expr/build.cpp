@@ -236,7 +236,9 @@ Expr mul(std::span<const Expr> factors) {
   if (bits(constant) > limits::kNumberBits)
     throw LimitError(fmt::format("a number in the formula has {} bits; the limit is {}", bits(constant), limits::kNumberBits));
   if (kept.empty()) return number(constant);
-  if (sgn(constant) == 0 && std::all_of(kept.begin(), kept.end(), [](const Expr& e) { return e.key()->total; })) return Expr(0L);
+  // Zero times what is defined everywhere is zero, whatever else stands there.
+  if (sgn(constant) == 0) std::erase_if(kept, [](const Expr& e) { return e.key()->total; });
+  if (kept.empty()) return Expr(0L);
   std::sort(kept.begin(), kept.end(), less);
   if (constant != 1) kept.insert(kept.begin(), number(constant));
   if (kept.size() == 1) return kept[0];

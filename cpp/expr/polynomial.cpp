@@ -20,10 +20,13 @@ Terms terms_of(const Expr& e) {
   return {e};
 }
 
-Expr product_of_sums(const Expr& a, const Expr& b) {
+// `made` counts the products of one expand.
+Expr product_of_sums(const Expr& a, const Expr& b, std::size_t& made) {
   const Terms s = terms_of(a), t = terms_of(b);
   if (s.size() * t.size() > limits::kExpandTerms)
     throw LimitError(fmt::format("expand would make {} terms; the limit is {}", s.size() * t.size(), limits::kExpandTerms));
+  if ((made += s.size() * t.size()) > limits::kExpandProducts)
+    throw LimitError(fmt::format("expand would multiply more than {} pairs of terms, the limit", limits::kExpandProducts));
   Terms out;
   out.reserve(s.size() * t.size());
   for (const Expr& p : s)
@@ -49,7 +52,7 @@ void accumulate(Map& into, const std::array<int, 3>& exponents, const Expr& c) {
 }
 
 std::optional<Map> multiply(const Map& a, const Map& b) {
-  if (a.size() * b.size() > 50 * limits::kExpandTerms) return std::nullopt;
+  if (a.size() * b.size() > limits::kExpandProducts) return std::nullopt;
   std::map<std::array<int, 3>, std::vector<Expr>> sums;
   for (const auto& [p, c] : a)
     for (const auto& [q, d] : b) sums[{p[0] + q[0], p[1] + q[1], p[2] + q[2]}].push_back(mul(c, d));
@@ -78,17 +81,18 @@ class Freedom {
 Expr expand(const Expr& e) {
   count_nodes(e);
   std::unordered_map<const Node*, Expr> memo;
+  std::size_t made = 0;
   for (const Expr& p : postorder(e)) {
     std::vector<Expr> args;
     for (const Expr& a : p.args()) args.push_back(memo.at(a.key()));
     Expr r = p;
     if (p.op() == Op::Mul) {
       r = Expr(1L);
-      for (const Expr& a : args) r = product_of_sums(r, a);
+      for (const Expr& a : args) r = product_of_sums(r, a, made);
     } else if (const auto n = p.op() == Op::Pow ? natural(args[1]) : std::nullopt; n && args[0].op() == Op::Add && *n <= 1000) {
       // Repeated squaring would make the intermediate sums no smaller.
       r = args[0];
-      for (long k = 1; k < *n; ++k) r = product_of_sums(r, args[0]);
+      for (long k = 1; k < *n; ++k) r = product_of_sums(r, args[0], made);
     } else if (n && args[0].op() == Op::Mul) {
       std::vector<Expr> factors;
       for (const Expr& f : args[0].args()) factors.push_back(pow(f, p.arg(1)));

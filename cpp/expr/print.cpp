@@ -68,10 +68,12 @@ class Printer {
     return {s, kSum};
   }
 
-  // b ** -q as what stands below the line, or nothing.
+  // b ** -q as what stands below the line, or nothing; (1/x) ** -2 stays as it is, since (1/x) ** 2 is another tree.
   static std::optional<Expr> below(const Expr& e) {
     if (e.op() != Op::Pow || e.arg(1).op() != Op::Number || sgn(e.arg(1).number()) >= 0) return std::nullopt;
-    return pow(e.arg(0), irt::number(-e.arg(1).number()));
+    const Expr b = pow(e.arg(0), irt::number(-e.arg(1).number()));
+    if (b != e.arg(0) && !(b.op() == Op::Pow && b.arg(0) == e.arg(0))) return std::nullopt;
+    return b;
   }
 
   Text product(std::span<const Expr> factors) {

@@ -169,6 +169,7 @@ Interval step(const Interval& a, F f) {
 }
 
 Interval modulo(const Interval& a, const Interval& b) {
+  if (b.lo == 0 && b.hi == 0) return nothing();
   if (!holds_zero(b)) {
     const Interval k = step(a * reciprocal(b), [](double v) { return std::floor(v); });
     if (k.lo == k.hi && std::isfinite(k.lo)) return a - b * k;

@@ -226,6 +226,7 @@ Interval angle(const Interval& y, const Interval& x) {
     mpfr_const_pi(r.hi, MPFR_RNDU);
     mpfr_neg(r.lo, r.hi, MPFR_RNDD);
     if (mpfr_sgn((mpfr_srcptr)y.lo) >= 0) mpfr_set_zero(r.lo, 1);
+    if (point && mpfr_sgn((mpfr_srcptr)x.hi) < 0) mpfr_const_pi(r.lo, MPFR_RNDD);
     r.doubtful = true;
     return r;
   }
@@ -243,6 +244,7 @@ Interval step(const Interval& a, Function f) {
 }
 
 Interval modulo(const Interval& a, const Interval& b) {
+  if (mpfr_zero_p((mpfr_srcptr)b.lo) && mpfr_zero_p((mpfr_srcptr)b.hi)) return nothing(a.precision());
   Interval quotient = multiply(a, reciprocal(b));
   const Interval k = step(quotient, mpfr_floored);
   if (!holds_zero(b) && mpfr_equal_p(k.lo, k.hi)) return add(a, negate(multiply(b, k)));

@@ -31,7 +31,7 @@ class Sphere:
         object.__setattr__(self, "center", point(center, "the sphere's center"))
         try:
             value = float(radius)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ArgumentError(f"the sphere's radius must be a number, not {radius!r}") from None
         if not (math.isfinite(value) and value > 0):
             raise ArgumentError(f"the sphere's radius must be positive and finite, not {radius!r}")
@@ -148,7 +148,7 @@ class Bounds:
             return _checked([c - r for c in center], [c + r for c in center], (value,))
         try:
             array = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ArgumentError(_forms(value)) from None
         if array.shape == ():
             r = float(array)

@@ -26,7 +26,7 @@ def point(value: Any, what: str) -> tuple[float, float, float]:
     """Three finite numbers, or an ArgumentError that names `what`."""
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{what} must be three numbers, not {value!r}") from None
     if array.shape != (3,):
         raise ArgumentError(f"{what} must be three numbers, not an array of shape {array.shape}")
@@ -161,7 +161,7 @@ class Camera:
 def _number(value: Any, what: str) -> float:
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{what} must be a number, not {value!r}") from None
     if not math.isfinite(number):
         raise ArgumentError(f"{what} must be finite, not {number}")

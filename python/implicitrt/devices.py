@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from implicitrt import _core
-from implicitrt.errors import DeviceError
+from implicitrt.errors import ArgumentError, DeviceError
 
 __all__ = ["Device", "describe", "devices", "open_device"]
 
@@ -361,9 +361,12 @@ def open_device(choice: str | None = None) -> _core.Device:
             GPU, a driver of the system, one of pip.
 
     Raises:
+        ArgumentError: the choice is no text.
         DeviceError: nothing matches or works; names what was tried and what to install.
     """
     wanted = choice if choice is not None else os.environ.get("IMPLICITRT_DEVICE", "")
+    if not isinstance(wanted, str):
+        raise ArgumentError(f"device is part of a device's or driver's name, not {choice!r}; irt.devices() lists them")
     try:
         return _open(wanted)
     except OSError as error:

@@ -294,7 +294,7 @@ class Expr(_Tree):
         try:
             arrays = {k: np.asarray(v, dtype=np.float64) for k, v in values.items()}
             shape = np.broadcast_shapes(*(a.shape for a in arrays.values()))
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, OverflowError) as error:
             raise ArgumentError(f"evaluate takes numbers and arrays that broadcast: {error}") from None
         full = {k: np.ascontiguousarray(np.broadcast_to(arrays[k], shape)) for k in names}
         return np.asarray(_core.evaluate(self._node, full, list(shape)))
@@ -483,7 +483,7 @@ def sympify(value: Any) -> Expr:
 
 def symbols(names: str) -> Any:
     """Symbols by name, separated by blanks or commas: one, or a tuple of several."""
-    parts = names.replace(",", " ").split()
+    parts = names.replace(",", " ").split() if isinstance(names, str) else []
     if not parts:
         raise ExpressionError("symbols takes at least one name, such as symbols('x y z')")
     made = tuple(Expr(_core.symbol(p)) for p in parts)

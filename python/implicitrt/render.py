@@ -146,7 +146,7 @@ def _resolve(method: Any, expr: Expr) -> tuple[str, str]:
         return method.algebra, "asked for"
     if isinstance(method, Contraction):
         return "contract", "asked for"
-    if method not in _METHODS:
+    if not isinstance(method, str) or method not in _METHODS:
         import difflib
 
         close = difflib.get_close_matches(str(method), list(_METHODS), 1)
@@ -158,7 +158,7 @@ def _resolve(method: Any, expr: Expr) -> tuple[str, str]:
 
 
 def _one_of(value: Any, what: str, allowed: tuple[str, ...]) -> str:
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise ArgumentError(f"{what} must be one of {', '.join(map(repr, allowed))}, not {value!r}")
     return str(value)
 
@@ -166,7 +166,7 @@ def _one_of(value: Any, what: str, allowed: tuple[str, ...]) -> str:
 def _positive(value: Any, what: str) -> float:
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{what} must be a positive number, not {value!r}") from None
     if not (math.isfinite(number) and number > 0):
         raise ArgumentError(f"{what} must be positive and finite, not {value!r}")
@@ -176,7 +176,7 @@ def _positive(value: Any, what: str) -> float:
 def _finite(value: Any, what: str) -> float:
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{what} must be a number, not {value!r}") from None
     if not math.isfinite(number):
         raise ArgumentError(f"{what} must be finite, not {number}")
@@ -221,7 +221,7 @@ def _color(value: Any, what: str) -> tuple[float, float, float]:
     else:
         try:
             rgb = [float(c) for c in value]
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             rgb = []
         if len(rgb) != 3 or not all(0 <= c <= 1 for c in rgb):
             raise ArgumentError(f"{what} must be a CSS name, '#rrggbb' or three numbers from 0 to 1, not {value!r}")
@@ -235,7 +235,7 @@ def request_size(size: Any) -> tuple[int, int]:
         pixels = (int(width), int(height))
         if pixels != (width, height):
             raise ValueError
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"size must be (width, height) in whole pixels, not {size!r}") from None
     if pixels[0] < 1 or pixels[1] < 1:
         raise ArgumentError(f"size must be at least (1, 1), not {pixels}")
@@ -435,7 +435,7 @@ def _vectors(value: Any, what: str) -> npt.NDArray[np.float64]:
         if array.dtype.kind not in "fiub":
             raise TypeError
         array = array.astype(np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{what} must be numbers of shape (3,) or (N, 3)") from None
     if array.ndim not in (1, 2) or array.shape[-1] != 3:
         raise ArgumentError(f"{what} must have shape (3,) or (N, 3), not {array.shape}")
@@ -453,7 +453,7 @@ def _broadcast(*arrays: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]
 def _scalars(value: Any, what: str) -> npt.NDArray[np.float64]:
     try:
         array = np.atleast_1d(np.asarray(value, dtype=np.float64))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{what} must be a number or an array of shape (N,)") from None
     if array.ndim != 1:
         raise ArgumentError(f"{what} must be a number or an array of shape (N,), not {array.shape}")
