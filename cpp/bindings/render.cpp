@@ -152,7 +152,8 @@ py::dict answer_dict(const render::Answer& a) {
   d["escalated"] = a.escalated;
   d["counts"] = a.counts;
   d["wide"] = a.wide_hits;
-  d["seconds"] = py::dict(py::arg("prepare") = a.prepare_seconds, py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
+  d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
+  if (a.prepare_seconds > 0) d["seconds"]["prepare"] = a.prepare_seconds;  // coefficients, on the host
   d["finished"] = a.outcome == device::Outcome::done;
   return d;
 }
