@@ -50,7 +50,7 @@ class HalfSpace:
         object.__setattr__(self, "normal", vector)
         try:
             value = float(offset)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ArgumentError(f"the half-space's offset must be a number, not {offset!r}") from None
         largest = max(map(abs, vector))
         if largest == 0:

@@ -52,3 +52,8 @@ def test_bad_bounds_are_refused(value: object, words: str) -> None:
 def test_bad_spheres_are_refused(center: tuple[float, ...], radius: float) -> None:
     with pytest.raises(irt.ArgumentError):
         irt.Sphere(center, radius)
+
+
+def test_half_spaces_past_the_range_of_doubles_are_refused() -> None:
+    with pytest.raises(irt.ArgumentError):
+        irt.HalfSpace((0, 0, 1), 10**400)
