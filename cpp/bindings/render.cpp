@@ -1,4 +1,4 @@
-// Bindings of cpp/render: requests are dictionaries that python/implicitrt/render.py has checked.
+// Bindings of cpp/render: requests are dictionaries that python/implicitrt (request.py, render.py) has checked.
 #include <pybind11/functional.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -69,11 +69,7 @@ device::Control control_of(const py::dict& request) {
 render::Options options_of(const py::dict& request, const program::Program& program) {
   render::Options o;
   o.affine = get<std::string>(request, "algebra") == "raa";
-  o.contract = request.contains("finder") && get<std::string>(request, "finder") == "contract";
-  if (const auto finder = request.contains("finder") ? get<std::string>(request, "finder") : ""; finder.starts_with("frustum-")) {
-    o.finder = finder.substr(8);
-    std::replace(o.finder.begin(), o.finder.end(), '-', '_');
-  }
+  if (request.contains("finder")) o.finder = get<std::string>(request, "finder");
   o.outward = get<std::string>(request, "rounding") == "outward";
   const auto precision = get<std::string>(request, "precision");
   o.precision = precision == "single"   ? render::PrecisionMode::Single
@@ -191,7 +187,7 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = options.finder.empty() ? render::render_frame(program, view, bounds, options, *device)
+    answer = !options.by_frustum() ? render::render_frame(program, view, bounds, options, *device)
                                     : render::render_frustum(program, level, g, parameters, view, bounds, options, *device);
     render::tally(answer, options);
   }
@@ -208,13 +204,13 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   const render::Rays rays{origins.data(), directions.data(), tmin.data(), tmax.data(), static_cast<std::size_t>(tmin.size())};
   const Expr level = level_of(f, request);
   const auto parameters = get<std::map<std::string, double>>(request, "params");
-  if (!options.finder.empty() && request.contains("clip") && !request["clip"].is_none())
+  if (options.by_frustum() && request.contains("clip") && !request["clip"].is_none())
     throw MethodError("trace by the frustum form's root finders knows no Clip; \"contract\", \"raa\" and \"ia\" do");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = options.finder.empty() ? render::trace_rays(program, rays, bounds, options, *device)
+    answer = !options.by_frustum() ? render::trace_rays(program, rays, bounds, options, *device)
                                     : render::trace_frustum(level, parameters, rays, bounds, options, *device);
     render::tally(answer, options);
   }
@@ -244,7 +240,7 @@ std::string kernel_source(const Expr& f, const py::dict& request) {
   const program::Program program = program_of(f, request);
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   const render::Options options = picture_options(request, program);
-  return options.finder.empty() ? render::frame_source(program, bounds_of(request), options, *device)
+  return !options.by_frustum() ? render::frame_source(program, bounds_of(request), options, *device)
                                 : render::frustum_source(level_of(f, request), get<std::map<std::string, double>>(request, "params"), bounds_of(request), options, *device);
 }
 
@@ -252,9 +248,9 @@ std::string kernel_source(const Expr& f, const py::dict& request) {
 
 void bind_render(py::module_& m) {
   m.def("set_kernel_directory", &kernel::set_directory, py::arg("path"), "Where the kernel library files lie.");
-  m.def("render_frame", &render_frame, py::arg("expr"), py::arg("request"), "Renders a frame; see render.py.");
-  m.def("trace_rays", &trace_rays, py::arg("expr"), py::arg("request"), "Traces a batch of rays; see render.py.");
-  m.def("enclose_pieces", &enclose_pieces, py::arg("expr"), py::arg("request"), "Bounds of f over pieces; see render.py.");
+  m.def("render_frame", &render_frame, py::arg("expr"), py::arg("request"), "Renders a frame; see request.py and render.py.");
+  m.def("trace_rays", &trace_rays, py::arg("expr"), py::arg("request"), "Traces a batch of rays; see request.py and render.py.");
+  m.def("enclose_pieces", &enclose_pieces, py::arg("expr"), py::arg("request"), "Bounds of f over pieces; see request.py and render.py.");
   m.def("kernel_source", &kernel_source, py::arg("expr"), py::arg("request"), "The OpenCL C that a call runs.");
   m.def("parameters", [](const Expr& f) { return program::lower(f).parameters; }, py::arg("expr"),
         "The names of the parameters of f, sorted.");

@@ -131,7 +131,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include("path.cl");
     include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
     include("form.cl");
-    include(spec.contract ? "contract.cl" : "bisection.cl");
+    include(spec.finder + ".cl");
     if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
     include("trace.cl");
@@ -160,7 +160,7 @@ std::string with_shading(std::string text, const Spec& spec) {
 
 std::string assemble_frustum(const Spec& spec) {
   const bool gradient = spec.normal || spec.rgb, rays = spec.entry == Entry::RayList;
-  const std::string file = fmt::format("frustum_{}.cl", spec.finder);
+  const std::string file = spec.finder + ".cl";
   std::string text = prelude(spec) +
       fmt::format("#define IRT_DEGREE {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n", spec.degree, spec.tile, gradient ? 1 : 0) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
@@ -169,7 +169,7 @@ std::string assemble_frustum(const Spec& spec) {
       "#define FINDER_PASS , column, row, tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n")) +
       "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
   text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl", rays ? "frustum_rays.cl" : "frustum_cells.cl"});
-  const bool knots = spec.finder.starts_with("mr");
+  const bool knots = spec.finder.starts_with("frustum_mr");
   text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
   return with_shading(text, spec);
 }

@@ -16,7 +16,7 @@ inline constexpr int kJump = 4;
 struct Spec {
   Entry entry = Entry::Camera;
   bool affine = false;
-  bool contract = false;  // kernels/contract.cl instead of kernels/bisection.cl
+  std::string finder = "bisection";  // kernels/<finder>.cl
   program::Precision precision = program::Precision::Single;
   int width = 16;        // reals per packet
   bool outward = true;   // rounding="outward"
@@ -27,8 +27,7 @@ struct Spec {
   bool normal = false;
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray
-  // Frustum forms (assemble_frustum): kernels/frustum_<finder>.cl, degree, and pixels along the side of a tile.
-  std::string finder;
+  // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.
   int degree = 0, tile = 0;
 };
 

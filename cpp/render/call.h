@@ -57,8 +57,7 @@ enum class PrecisionMode { Single, Double, Auto };
 
 struct Options {
   bool affine = true;
-  bool contract = false;  // contraction instead of bisection; affine
-  std::string finder;     // kernels/frustum_<finder>.cl: the frustum form instead of a program; "" otherwise
+  std::string finder = "bisection";  // kernels/<finder>.cl
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;
@@ -72,6 +71,9 @@ struct Options {
   std::array<double, 4> background{};                              // and alpha
   glm::dvec3 light{0};                                             // towards it; zero: none
   device::Control control;
+
+  // Root finders of the frustum form take coefficients instead of a program.
+  bool by_frustum() const { return finder.starts_with("frustum_"); }
 };
 
 // Memory that outlives the call inside NumPy arrays; aligned so that CPU drivers use it in place.

@@ -59,8 +59,8 @@ void apply_clip(Answer& answer, const program::Program& program, const Expr& g, 
     if (partial || !(ranges[k][1] <= 0)) again.push_back(hits[k]);
   if (again.empty()) return;
   Options march = options;
-  march.finder.clear();
-  march.contract = march.affine = true;
+  march.finder = "contract";
+  march.affine = true;
   const std::size_t escalated = answer.escalated;
   const Answer part = camera_passes(program, view, bounds, march, device, &again, answer.pitch);
   scatter(answer, part, again);

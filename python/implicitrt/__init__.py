@@ -9,6 +9,7 @@ from implicitrt.bounds import Clip, HalfSpace, Sphere
 from implicitrt.camera import Camera
 from implicitrt.compare import Comparison, compare
 from implicitrt.devices import Device, devices
+from implicitrt.enclose import enclose, enclose_rays
 from implicitrt.errors import (
     ArgumentError,
     BuildError,
@@ -59,20 +60,11 @@ from implicitrt.expression import (
     z,
 )
 from implicitrt.frame import Frame, Hits, Stats, Status
+from implicitrt.methods import Bisection, Contraction, Method, explain, methods
 from implicitrt.reference import Reference, reference
-from implicitrt.render import (
-    Bisection,
-    Contraction,
-    Method,
-    enclose,
-    enclose_rays,
-    explain,
-    kernel_source,
-    methods,
-    render,
-    trace,
-)
+from implicitrt.render import kernel_source, render
 from implicitrt.surfaces import NamedSurface, surfaces
+from implicitrt.trace import trace
 
 __version__ = "0.1.0"
 

@@ -18,8 +18,8 @@ import numpy as np
 from implicitrt.errors import ArgumentError, Error
 from implicitrt.expression import Expr, ExprLike, sympify
 from implicitrt.frame import Frame, Status
+from implicitrt.methods import methods as known_methods
 from implicitrt.reference import Reference, reference
-from implicitrt.render import methods as known_methods
 from implicitrt.render import render
 from implicitrt.surfaces import NamedSurface, surfaces
 

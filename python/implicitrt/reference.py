@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from implicitrt import _core
+from implicitrt.arguments import ray_batch, request_parameters, request_region, request_size
 from implicitrt.camera import Camera
 from implicitrt.errors import ArgumentError
 from implicitrt.expression import ExprLike, sympify
 from implicitrt.frame import Status
-from implicitrt.render import ray_batch, request_parameters, request_region, request_size
 from implicitrt.surfaces import NamedSurface
 
 if TYPE_CHECKING:

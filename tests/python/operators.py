@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 import implicitrt as irt
 from implicitrt import _core
-from implicitrt.render import _above, _below, _enclose_request
+from implicitrt.enclose import _above, _below, _enclose_request
 
 Array = npt.NDArray[np.float64]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from pathlib import Path
 from typing import Any
@@ -170,7 +171,10 @@ def test_bad_clips_are_refused() -> None:
 
 
 def test_methods_that_know_no_clip_refuse_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["implicitrt.render"], "_CLIPPING", frozenset({"ia"}))
+    entries = sys.modules["implicitrt.methods"].ENTRIES
+    deaf = {**entries, "contract": dataclasses.replace(entries["contract"], clips=False)}
+    monkeypatch.setattr(sys.modules["implicitrt.request"], "ENTRIES", deaf)
+    monkeypatch.setattr(sys.modules["implicitrt.methods"], "ENTRIES", deaf)
     with pytest.raises(irt.MethodError, match="contract knows boxes"):
         irt.render(SPHERE, bounds=[2, Clip("x")], method="contract")
     assert irt.render(SPHERE, bounds=[2, HalfSpace((1, 0, 0), 0)], method="contract", size=(16, 16)).hit.any()

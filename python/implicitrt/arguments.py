@@ -1,0 +1,189 @@
+"""Arguments that render, trace, enclose and reference share: checked here, once, with errors that say what is allowed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from implicitrt.bounds import Bounds
+from implicitrt.errors import ArgumentError, LimitError
+from implicitrt.expression import Expr, check_parameter_names
+from implicitrt.surfaces import NamedSurface
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+MAX_PIXELS = 1 << 26  # caps.h: kPixels
+
+
+def one_of(value: Any, what: str, allowed: tuple[str, ...]) -> str:
+    if not isinstance(value, str) or value not in allowed:
+        raise ArgumentError(f"{what} must be one of {', '.join(map(repr, allowed))}, not {value!r}")
+    return str(value)
+
+
+def positive(value: Any, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} must be a positive number, not {value!r}") from None
+    if not (math.isfinite(number) and number > 0):
+        raise ArgumentError(f"{what} must be positive and finite, not {value!r}")
+    return number
+
+
+def finite(value: Any, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise ArgumentError(f"{what} must be finite, not {number}")
+    if abs(number) > 1e30:
+        raise ArgumentError(f"{what} must lie within 1e30 of zero, not at {number}")
+    return number
+
+
+def request_parameters(
+    f: Any, expr: Expr, params: Mapping[str, float] | None, bounds: Bounds | None = None
+) -> dict[str, float]:
+    """A checked value for each parameter of the formula and of the bounds' clips."""
+    if params is not None and not isinstance(params, Mapping):
+        raise ArgumentError(f"params must be a mapping of names to numbers, not {params!r}")
+    names = parameter_names(expr, bounds)
+    defaults = dict(f.params) if isinstance(f, NamedSurface) else {}
+    given = {str(k): v for k, v in (params or {}).items()}
+    values = defaults | given
+    check_parameter_names(names, values)
+    return {k: finite(v, f"the parameter '{k}'") for k, v in values.items()}
+
+
+def parameter_names(expr: Expr, bounds: Bounds | None) -> list[str]:
+    """Symbols of the formula and of the bounds' clips, other than x, y, z; sorted."""
+    symbols = set(expr.free_symbols)
+    for c in bounds.clips if bounds else ():
+        symbols |= c.g.free_symbols
+    return sorted({s.name for s in symbols} - {"x", "y", "z"})
+
+
+def color_of(value: Any, what: str) -> tuple[float, float, float]:
+    """A CSS name, "#rrggbb" or three numbers from 0 to 1 (sRGB), in linear light."""
+    if isinstance(value, str):
+        from PIL import ImageColor
+
+        try:
+            rgb = [c / 255 for c in ImageColor.getrgb(value)[:3]]
+        except ValueError:
+            raise ArgumentError(
+                f"{what} {value!r} is no colour; use a CSS name, '#rrggbb' or three numbers 0..1"
+            ) from None
+    else:
+        try:
+            rgb = [float(c) for c in value]
+        except (TypeError, ValueError, OverflowError):
+            rgb = []
+        if len(rgb) != 3 or not all(0 <= c <= 1 for c in rgb):
+            raise ArgumentError(f"{what} must be a CSS name, '#rrggbb' or three numbers from 0 to 1, not {value!r}")
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in rgb]
+    return (linear[0], linear[1], linear[2])
+
+
+def request_size(size: Any) -> tuple[int, int]:
+    try:
+        width, height = size
+        pixels = (int(width), int(height))
+        if pixels != (width, height):
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"size must be (width, height) in whole pixels, not {size!r}") from None
+    if pixels[0] < 1 or pixels[1] < 1:
+        raise ArgumentError(f"size must be at least (1, 1), not {pixels}")
+    if pixels[0] * pixels[1] > MAX_PIXELS or max(pixels) > 1 << 20:
+        raise LimitError(
+            f"{pixels[0]} x {pixels[1]} pixels are more than the limit of {MAX_PIXELS} (and 2**20 on a "
+            "side); render parts of the picture"
+        )
+    return pixels
+
+
+def request_region(f: Any, bounds: Any) -> Bounds:
+    if bounds is None:
+        return f.bounds if isinstance(f, NamedSurface) else Bounds.of(2)
+    return Bounds.of(bounds)
+
+
+def vectors(value: Any, what: str) -> npt.NDArray[np.float64]:
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "fiub":
+            raise TypeError
+        array = array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} must be numbers of shape (3,) or (N, 3)") from None
+    if array.ndim not in (1, 2) or array.shape[-1] != 3:
+        raise ArgumentError(f"{what} must have shape (3,) or (N, 3), not {array.shape}")
+    return np.atleast_2d(array)
+
+
+def broadcast(*arrays: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]]:
+    counts = {len(a) for a in arrays} - {1}
+    if len(counts) > 1:
+        raise ArgumentError(f"the arrays have different lengths: {', '.join(str(len(a)) for a in arrays)}")
+    n = counts.pop() if counts else 1
+    return [np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for a in arrays]
+
+
+def scalars(value: Any, what: str) -> npt.NDArray[np.float64]:
+    try:
+        array = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} must be a number or an array of shape (N,)") from None
+    if array.ndim != 1:
+        raise ArgumentError(f"{what} must be a number or an array of shape (N,), not {array.shape}")
+    if np.isnan(array).any():
+        raise ArgumentError(f"{what} must not be nan")
+    return array
+
+
+def directions_of(value: Any) -> npt.NDArray[np.float64]:
+    directions = vectors(value, "directions")
+    if not np.isfinite(directions).all():
+        raise ArgumentError("directions must be finite")
+    if len(directions) and not (directions != 0).any(axis=1).all():
+        first = int(np.flatnonzero(~(directions != 0).any(axis=1))[0])
+        raise ArgumentError(f"the direction of ray {first} is the zero vector")
+    return directions
+
+
+def ray_batch(
+    f: Any, origins: Any, directions: Any, tmin: Any, tmax: Any, bounds: Any
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], Bounds]:
+    """Checked origins and directions (N, 3), tmin and tmax (N,), and the bounds of a batch of rays."""
+    origin_array = vectors(origins, "origins")
+    if not np.isfinite(origin_array).all():
+        raise ArgumentError("origins must be finite")
+    o, d, near, far = broadcast(origin_array, directions_of(directions), scalars(tmin, "tmin"), scalars(tmax, "tmax"))
+    if bounds is None and not isinstance(f, NamedSurface):
+        region = _enclosing(o, d, near, far)
+    else:
+        region = request_region(f, bounds)
+    return o, d, near, far, region
+
+
+def _enclosing(
+    o: npt.NDArray[np.float64], d: npt.NDArray[np.float64], near: npt.NDArray[np.float64], far: npt.NDArray[np.float64]
+) -> Bounds:
+    """A box around all of the rays, which must be finite."""
+    if not (np.isfinite(near).all() and np.isfinite(far).all()):
+        raise ArgumentError("the rays are infinite: give bounds, or a finite tmax (and tmin)")
+    if len(o) == 0:
+        return Bounds.of(1)
+    ends = np.concatenate([o + near[:, None] * d, o + far[:, None] * d])
+    if not np.isfinite(ends).all():
+        raise ArgumentError("the rays leave the range of numbers: give bounds, or a smaller tmax")
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    pad = 1e-6 * max(float((high - low).max()), float(np.abs(ends).max()), 1e-3)
+    return Bounds.of(tuple(zip((low - pad).tolist(), (high + pad).tolist(), strict=True)))

@@ -1,0 +1,149 @@
+"""The methods: what each accepts and guarantees, which kernel file it runs, and which one auto takes."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from implicitrt.errors import ArgumentError
+from implicitrt.expression import Expr, ExprLike, sympify
+
+__all__ = ["Bisection", "Contraction", "Method", "explain", "methods"]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A root finder: what it accepts, what it guarantees ("inclusion", "numerical", "sampled")."""
+
+    name: str
+    accepts: str
+    guarantee: str
+    options: tuple[str, ...]
+    source: str
+
+
+@dataclass(frozen=True)
+class Bisection:
+    """Stackless bisection with an inclusion algebra, "ia" or "raa"; those names are its shorthand."""
+
+    algebra: str = "raa"
+
+    def __post_init__(self) -> None:
+        if self.algebra not in ("ia", "raa"):
+            raise ArgumentError(f'algebra must be "ia" or "raa", not {self.algebra!r}')
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return self.algebra
+
+
+@dataclass(frozen=True)
+class Contraction:
+    """The forward march with affine contraction; "contract" is its shorthand."""
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return "contract"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A method as it runs: kernels/<finder>.cl, with an algebra, and whether it asks the formula of `Clip`."""
+
+    method: Method
+    finder: str
+    algebra: str
+    clips: bool
+
+
+_FRUSTUM_FINDERS = {
+    "lr": "the frustum form; Bezier subdivision at the control polygon's first zero",
+    "lr-mult": "the same with an estimate of the root's multiplicity",
+    "mr": "the frustum form; knots inserted at the control polygon's first zero",
+    "mr-mult": "the same with an estimate of the root's multiplicity",
+    "clip": "the frustum form; Bezier clipping",
+    "midpoint": "the frustum form; subdivision at the middle",
+}
+
+_INCLUSION_OPTIONS = ("eps", "max_pieces")
+
+# To add a method: its row here, and kernels/<finder>.cl.
+ENTRIES = MappingProxyType({
+    e.method.name: e
+    for e in (
+        Entry(Method("ia", "every formula", "inclusion", _INCLUSION_OPTIONS,
+                     "S1 section 4.2: stackless bisection by interval arithmetic"), "bisection", "ia", True),
+        Entry(Method("raa", "every formula", "inclusion", _INCLUSION_OPTIONS,
+                     "S1 section 4.3: stackless bisection by reduced affine arithmetic"), "bisection", "raa", True),
+        Entry(Method("contract", "every formula", "inclusion", _INCLUSION_OPTIONS,
+                     "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"), "contract", "raa", True),
+        *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
+                       f"S2 section 4.2: {what}"), f"frustum_{name.replace('-', '_')}", "raa", True)
+          for name, what in _FRUSTUM_FINDERS.items()),
+    )
+})  # fmt: skip
+
+_METHODS = MappingProxyType(
+    {name: e.method for name, e in ENTRIES.items()}
+    | {"auto": Method("auto", "every formula", "inclusion", _INCLUSION_OPTIONS,
+                      "contract, or ia for planes, jumps and high even powers; see explain")}
+)  # fmt: skip
+
+
+def methods() -> Mapping[str, Method]:
+    """Every method that is built, by name."""
+    return _METHODS
+
+
+_CURVED = frozenset({
+    "Pow", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "cbrt",
+})  # fmt: skip
+
+
+def _choose(expr: Expr) -> tuple[str, str]:
+    """The method that auto takes for a formula, and why."""
+    jumps = choice = curved = powers = 0
+    stack, seen = [expr._node], set()
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        jumps += node.op in ("Mod", "floor", "ceiling", "sign", "Piecewise")
+        choice += node.op in ("Min", "Max", "Abs")
+        curved += node.op in _CURVED or (node.op == "Mul" and sum(a.op != "Number" for a in node.args) > 1)
+        if node.op == "Pow" and node.args[1].op == "Number":
+            p, q = node.args[1].ratio()
+            powers += q == 1 and p % 2 == 0 and p > 40
+        stack.extend(node.args)
+    if powers:
+        return "ia", "it has even powers above 40, whose ranges interval arithmetic keeps tight"
+    if jumps:
+        return "ia", "it has jumps, at which affine forms fall back to ranges anyway"
+    if choice and not curved:
+        return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
+    return "contract", "it is curved, and affine forms tell along the ray where zeros may lie"
+
+
+def explain(f: ExprLike) -> str:
+    """Which method "auto" takes for f, and why."""
+    method, reason = _choose(sympify(f))
+    return f"auto takes {method}: {reason}."
+
+
+def resolve(method: Any, expr: Expr) -> tuple[Entry, str]:
+    """The method that runs, and why."""
+    name = getattr(method, "name", method)
+    if name == "auto":
+        name, reason = _choose(expr)
+        return ENTRIES[name], reason
+    if not isinstance(name, str) or name not in ENTRIES:
+        close = difflib.get_close_matches(str(method), list(_METHODS), 1)
+        hint = f"; did you mean '{close[0]}'?" if close else ""
+        raise ArgumentError(f"unknown method {method!r}{hint} known are: {', '.join(_METHODS)}")
+    return ENTRIES[name], "asked for"
