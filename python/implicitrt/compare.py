@@ -171,7 +171,7 @@ def _list(value: Any, kinds: tuple[type, ...]) -> list[Any]:
     return [value] if isinstance(value, kinds) or not isinstance(value, Iterable) else list(value)
 
 
-def _true_normals(f: Any, truth: Reference, camera: Any, size: tuple[int, int]) -> npt.NDArray[np.float64]:
+def true_normals(f: Any, truth: Reference, camera: Any, size: tuple[int, int]) -> npt.NDArray[np.float64]:
     """Unit gradients at the reference's points, towards the viewer; nan where there is none."""
     expr = f.expr if isinstance(f, NamedSurface) else sympify(f)
     params = dict(f.params) if isinstance(f, NamedSurface) else {}
@@ -269,7 +269,7 @@ def compare(
             limit = 1e3 * statistics.median(g.stats.seconds["kernel"] for g in looks[1:])
             used, camera = looks[0].stats.device, looks[0].camera
             truth = reference(formula, bounds=bounds, size=size)
-            normals = _true_normals(formula, truth, camera, size)
+            normals = true_normals(formula, truth, camera, size)
             for method in chosen:
                 for width in widths:
                     started = time.perf_counter()
