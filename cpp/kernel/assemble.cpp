@@ -99,7 +99,7 @@ const char* entry_name(Entry entry) {
 }
 
 std::string assemble(const program::Program& program, const Spec& spec) {
-  program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision) : program::emit_interval(program, spec.precision);
+  program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision, spec.infinite) : program::emit_interval(program, spec.precision);
   // Files that others build on.
   if (f.files.count("affine_trigonometric.cl")) f.files.insert({"affine_divide.cl", "interval_trigonometric.cl"});
   if (f.files.count("affine_real_power.cl")) f.files.insert({"affine_exponential.cl", "interval_power.cl"});

@@ -25,8 +25,8 @@ struct Emitted {
 Emitted emit_interval(const Program& program, Precision precision);
 
 // static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS); FORM is RA, or IA where the result
-// is a range
-Emitted emit_affine(const Program& program, Precision precision);
+// is a range. `infinite`: values may leave the range of reals (program::magnitude), so that exponentials may lose their upper end.
+Emitted emit_affine(const Program& program, Precision precision, bool infinite);
 
 // static inline F irt_gradient(F x, F y, F z PARAMETERS, F* gx, F* gy, F* gz): the value, and the exact gradient by
 // reverse accumulation.

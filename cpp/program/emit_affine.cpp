@@ -14,8 +14,8 @@ namespace {
 
 class AffineEmitter {
  public:
-  AffineEmitter(const Program& program, Precision precision)
-      : program_(program), precision_(precision), has_form_(program.code.size()), has_range_(program.code.size()),
+  AffineEmitter(const Program& program, Precision precision, bool infinite)
+      : program_(program), precision_(precision), infinite_(infinite), has_form_(program.code.size()), has_range_(program.code.size()),
         endless_(program.code.size()) {}
 
   Emitted run() {
@@ -38,6 +38,7 @@ class AffineEmitter {
  private:
   const Program& program_;
   Precision precision_;
+  bool infinite_;
   std::vector<char> has_form_, has_range_, endless_;
   std::set<long> powers_;
   std::string text_;
@@ -90,6 +91,9 @@ class AffineEmitter {
       case Code::Log:
       case Code::Tan:
       case Code::Pow: return true;
+      case Code::Exp:
+      case Code::Sinh:
+      case Code::Cosh: return infinite_;
       case Code::RealPower: return program_[v].value.lo < 0;
       default: return false;
     }
@@ -107,7 +111,7 @@ class AffineEmitter {
       return define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
     emit_form(v);
-    if (!in.partial || !(endless_[static_cast<std::size_t>(v)] = inherits(in)) || has_range_[static_cast<std::size_t>(v)]) return;
+    if (!(endless_[static_cast<std::size_t>(v)] = inherits(in)) || has_range_[static_cast<std::size_t>(v)]) return;
     const std::string a = range(in.a), b = range(in.b);
     text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), name(v), interval_rule(program_, v, a, b, precision_, powers_));
     has_range_[static_cast<std::size_t>(v)] = 1;
@@ -155,7 +159,7 @@ class AffineEmitter {
     } else {
       define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
-    endless_[static_cast<std::size_t>(v)] = endless(v) || (in.partial && inherits(in));
+    endless_[static_cast<std::size_t>(v)] = endless(v) || inherits(in);
     const bool chooses = in.code == Code::Select;
     if (!op.affine || (chooses ? only_range(in.b) && only_range(in.c) : only_range(in.a) && only_range(in.b))) return;
     out_.files.insert(op.affine_file);
@@ -208,6 +212,6 @@ class AffineEmitter {
 
 }  // namespace
 
-Emitted emit_affine(const Program& program, Precision precision) { return AffineEmitter(program, precision).run(); }
+Emitted emit_affine(const Program& program, Precision precision, bool infinite) { return AffineEmitter(program, precision, infinite).run(); }
 
 }  // namespace irt::program

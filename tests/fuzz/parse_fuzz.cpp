@@ -45,7 +45,7 @@ void look_at(const irt::Expr& e) {
   allowed([&] {
     const irt::program::Program program = irt::program::lower(e, false);
     irt::program::emit_interval(program, irt::program::Precision::Single);
-    irt::program::emit_affine(program, irt::program::Precision::Double);
+    irt::program::emit_affine(program, irt::program::Precision::Double, true);
     irt::program::emit_gradient(program, irt::program::Precision::Single);
   });
 }

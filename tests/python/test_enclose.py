@@ -165,3 +165,8 @@ def test_forms_contain_their_values_along_rays(formula: str, precision: str) -> 
             known = np.isfinite(value) & np.isfinite(slack)
             bad = known & ~((box[:, 0] <= value + slack) & (value - slack <= box[:, 1]))
             assert not bad.any(), (formula, algebra, o[bad][0], d[bad][0], length[bad][0], value[bad][0], box[bad][0])
+
+
+@pytest.mark.parametrize("formula", ["exp(60x) - 7", "cosh(60x) - 7", "sinh(60x) + y"])
+def test_forms_keep_the_end_that_did_not_overflow(formula: str) -> None:
+    assert irt.enclose_rays(formula, [2, 0, 0], [1, 0, 0], 0, 1, algebra="raa")[0, 0] > 1e30
