@@ -12,7 +12,15 @@
 // With IRT_OUTWARD f is evaluated at one place only, for lanes that march and lanes that prove alike: no lane waits for
 // another, and the driver compiles f once. Lanes that are done keep their position and step.
 #define MARGIN R(0.25)  // of a piece, beyond its end
-#define WIDENINGS 48    // each by a quarter, so that the bracket is hardly wider than it must be
+// From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
+// thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
+#if IRT_DOUBLE
+#define WIDENINGS 64
+#define WIDER R(1.5)
+#else
+#define WIDENINGS 48
+#define WIDER R(1.25)
+#endif
 
 // Pieces that each lane has looked at, where the call asks for them.
 #if IRT_PIECES
@@ -76,7 +84,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     active &= ~(proven | gives_up | (skips & GE(next, PATH_END)));
     wild = SELECT(candidate, unbounded(f), wild);
     tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.25) * margin, margin));
+    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, WIDER * margin, margin));
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
     // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
     const I counts = starts | (skips & GE(TO_F(next), path.in0));

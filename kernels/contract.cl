@@ -8,7 +8,15 @@
 // proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it inside the
 // clip region where there is one (IRT_CLIP).
 #define MARGIN R(0.25)  // of a piece, beyond its end
-#define WIDENINGS 48    // each by a quarter, so that the bracket is hardly wider than it must be
+// From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
+// thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
+#if IRT_DOUBLE
+#define WIDENINGS 64
+#define WIDER R(1.5)
+#else
+#define WIDENINGS 48
+#define WIDER R(1.25)
+#endif
 #define FIRST_STEP (PATH_END >> 3)
 // How far the rounding of a contracted end may be off, in units.
 #define SLACK R(0.75)
@@ -135,7 +143,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     active &= ~(proven | found | gives_up | (skips & GE(next, PATH_END)));
     wild = SELECT(candidate, unbounded(f), wild);
     tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, R(1.25) * margin, margin));
+    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, WIDER * margin, margin));
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
     // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
     const I counts = starts | (skips & GE(TO_F(next), path.in0)), moved = (found | moves) & GE(TO_F(cut.from), path.in0);

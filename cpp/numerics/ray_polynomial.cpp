@@ -212,28 +212,41 @@ Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack, Piece w
   return found;
 }
 
-// A bracket about `width` wide around the one root between 0 and 1, whose ends have opposite signs: its ends there.
+// [lo, hi], with the sign s at lo and -s at hi, halved to `width` as far as T knows the sign in the middle.
 template <class T>
-std::pair<double, double> narrow(const Coefficients<T>& b, double width) {
+std::pair<double, double> halved(const Coefficients<T>& b, int s, double lo, double hi, double width) {
+  while (hi - lo > width) {
+    const double m = 0.5 * (lo + hi);
+    const int at = m > lo && m < hi ? sign_of(value(b, m)) : 0;
+    if (at == 0) break;
+    (at == s ? lo : hi) = m;
+  }
+  return {lo, hi};
+}
+
+// A bracket around the one root between 0 and 1, whose ends have opposite signs: its ends there. width_at(u): how wide it is to
+// be around a root at u.
+template <class T, class Width>
+std::pair<double, double> narrow(const Coefficients<T>& b, const Width& width_at) {
   std::vector<double> rough;
   double scale = 0;
   for (const T& c : b) rough.push_back(middle(c)), scale = std::max(scale, std::fabs(rough.back()));
-  if (!(scale > 0 && std::isfinite(scale))) return {0, 1};
   const int s = sign_of(b.front());
+  if (!(scale > 0 && std::isfinite(scale))) return halved(b, s, 0, 1, width_at(0.5));
   double lo = 0, hi = 1;
   for (int k = 0; k < 60 && hi - lo > 1e-17; ++k) {
     const double m = 0.5 * (lo + hi);
     if (m <= lo || m >= hi) break;
     ((value(rough, m) > 0) == (s > 0) ? lo : hi) = m;
   }
-  const double root = 0.5 * (lo + hi);
+  const double root = 0.5 * (lo + hi), width = width_at(root);
   // Tried from narrow to wide; the ends themselves are proven already.
   for (double w = 0.4 * width; w < 1; w *= 4) {
     const double p = std::max(0.0, root - w), q = std::min(1.0, root + w);
     const int sp = p <= 0 ? s : sign_of(value(b, p)), sq = q >= 1 ? -s : sign_of(value(b, q));
-    if (sp == s && sq == -s) return {p, q};
+    if (sp == s && sq == -s) return halved(b, s, p, q, width);
   }
-  return {0, 1};
+  return halved(b, s, 0, 1, width);
 }
 
 // Exact polynomials: the part without multiple factors ---------------------------------------------------------------
@@ -348,9 +361,9 @@ Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic 
     Piece p = found.piece;
     Root root{Kind::undecided, range.at(p.a, false), range.at(p.b, true), arithmetic};
     if (found.what == Found<T>::isolated) {
-      const double wanted = wanted_width(0.5 * (root.lo + root.hi), span) / (span * (p.b - p.a));
-      const auto [a, b] = narrow(found.local, std::min(1.0, wanted));
       const double length = p.b - p.a;
+      const auto width_at = [&](double u) { return std::min(1.0, wanted_width(range.at(p.a + length * u, false), span) / (span * length)); };
+      const auto [a, b] = narrow(found.local, width_at);
       root.lo = range.at(p.a + length * a, false);
       root.hi = range.at(p.a + length * b, true);
       root.kind = root.hi - root.lo <= 1.5 * wanted_width(root.lo, span) ? Kind::hit : Kind::undecided;

@@ -35,6 +35,14 @@ def test_probes(name: str, data: Path) -> None:
             assert found.hit[i] and abs(found.depth[i] - probe["t"]) <= 1e-11 * probe["t"]
 
 
+def test_brackets_near_the_start_of_a_ray() -> None:
+    # Doubles find this root to 7e-14 only, and wanted is 1e-12 of its small t: more bits have to halve what is left.
+    f = "x^4 + y^4 + z^4 - 1.2 x^2 - 0.3 y + 0.1"
+    found = irt.reference(f, (0.2, 0.1, 0.3), [(1, 0, 0), (0, 1, 0), (1, 0.3, 0.2)], bounds=2)
+    assert (found.kind == Status.HIT).all()
+    assert (np.diff(found.bracket)[:, 0] <= 1.5e-12 * found.depth).all()
+
+
 def test_both_forms_of_call() -> None:
     camera = irt.Camera((0, 0, 5))
     picture = irt.reference("x^2 + y^2 + z^2 - 1", 2, camera, (5, 4), eps=1e-3, method="raa")
