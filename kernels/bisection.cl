@@ -3,8 +3,9 @@
 // Deviations from S1: an integer counter of units takes the place of the floating modulus (a skipped piece [p, p + s)
 // leads to p + s and to the longest step that its lowest bit allows, but at most 2 s: a neighbour seldom allows more).
 // With IRT_OUTWARD a piece that is short enough is a candidate, not a hit. The piece skipped just before it tells the sign at
-// its start; the sign a little behind its end must be proven opposite, and f continuous between. Otherwise halving goes on to
-// the floor of the precision, where the bracket may widen; what is still open is TOUCH, or UNRESOLVED at a pole.
+// its start; the sign a little behind its end must be proven opposite, and f continuous between. Otherwise the bracket widens while
+// it stays within eps, then halving goes on to the floor of the precision, where it may widen further; what is still open is
+// TOUCH, or UNRESOLVED at a pole.
 //
 // A piece that lies outside the clip region (IRT_CLIP) is skipped as well, which tells nothing of f's sign at its end; and a
 // HIT needs its bracket inside.
@@ -42,6 +43,7 @@ static inline I stopping_step(const RAY* ray, const PATH* path, __global const r
 #if IRT_OUTWARD
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
+  const F widest = (F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP);  // bracket
   I stop = stopping_step(ray, &path, q, R(1.0) + MARGIN);
   I active = LE(range->out0, range->out1), hits = NONE, open = NONE;
   // Every lane begins by proving a sign where the path begins, with a step of nothing.
@@ -76,15 +78,16 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #else
     const I proven = opposite, failed = tried & ~opposite;
 #endif
-    const I last = LE(step, (I)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
-    const I gives_up = failed & last & ~widens, halves = failed & ~last;
+    const I last = LE(step, (I)1), room = (above | below) & LE(R(2.0) * (behind - from), widest);
+    const I widens = failed & (last | room) & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
+    const I gives_up = failed & last & ~widens, halves = failed & ~last & ~widens;
     const I next = position + step, longest = next & -next;
     hits |= proven;
     open |= gives_up;
     active &= ~(proven | gives_up | (skips & GE(next, PATH_END)));
     wild = SELECT(candidate, unbounded(f), wild);
     tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, WIDER * margin, margin));
+    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, SELECT(last, WIDER * margin, margin + (behind - from)), margin));
     stop = SELECT(halves, max(stop >> 4, (I)1), stop);
     // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
     const I counts = starts | (skips & GE(TO_F(next), path.in0));
