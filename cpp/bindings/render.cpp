@@ -84,11 +84,12 @@ render::Options options_of(const py::dict& request, const program::Program& prog
   return o;
 }
 
+// The program of a picture: with the clip formula, and with what sees through poles.
 program::Program program_of(const Expr& f, const py::dict& request) {
   const bool isovalue = request.contains("isovalue") && !request["isovalue"].is_none();
-  if (!request.contains("clip") || request["clip"].is_none()) return program::lower(f, isovalue);
+  if (!request.contains("clip") || request["clip"].is_none()) return program::lower(f, isovalue, nullptr, true);
   const Expr g = get<Expr>(request, "clip");
-  return program::lower(f, isovalue, &g);
+  return program::lower(f, isovalue, &g, true);
 }
 
 render::Options picture_options(const py::dict& request, const program::Program& program) {
@@ -219,7 +220,7 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
 }
 
 py::array_t<double> enclose_pieces(const Expr& f, const py::dict& request) {
-  const program::Program program = program_of(f, request);
+  const program::Program program = program::lower(f);
   const render::Options options = options_of(request, program);
   const auto pieces = get<DoubleArray>(request, "pieces");  // (n, 9)
   const auto n = static_cast<std::size_t>(pieces.shape(0));

@@ -72,8 +72,8 @@ std::string parameters_of(const program::Program& program, const Spec& spec) {
                                : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
   text += "#define ARGUMENTS PARAMETERS\n#define FINDER_PASS PARAMETERS_PASS\n";
   text += fmt::format("#define IRT_CLIP {}\n", program.clip >= 0 ? 1 : 0);
-  // What a clip formula tells of a piece of ray; without one everything is inside.
-  text += program.clip >= 0 ? "#define REGION_PARAMETERS , I* outside, I* inside\n#define REGION_PASS , outside, inside\n"
+  // What clip and numerator tell of a piece of ray; without them everything is inside.
+  text += program.has_region() ? "#define REGION_PARAMETERS , I* outside, I* inside\n#define REGION_PASS , outside, inside\n"
                               "#define REGION_OUT , &outside, &inside\n#define REGION_VARIABLES I outside, inside;\n"
                             : "#define REGION_PARAMETERS\n#define REGION_PASS\n#define REGION_OUT\n"
                               "#define REGION_VARIABLES const I outside = NONE, inside = ALL;\n";

@@ -21,7 +21,8 @@ struct Emitted {
 };
 
 // static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS), the last being
-// I* outside, I* inside in programs with a clip: it is proven above zero (or undefined) on the piece, or proven not to be.
+// I* outside, I* inside in programs with a region. outside: no zero of f counts on the piece, because the clip is proven above zero (or
+// undefined) or the numerator of f proven not to be zero; this tells nothing of the sign of f. inside: the clip is proven not to be above zero.
 Emitted emit_interval(const Program& program, Precision precision);
 
 // static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS); FORM is RA, or IA where the result

@@ -25,13 +25,13 @@ class AffineEmitter {
     const bool ranged = only_range(program_.result) || endless_[static_cast<std::size_t>(program_.result)];
     const std::string result = ranged ? range(program_.result) : form(program_.result);
     out_.range_result = ranged;
-    const std::string region = range(program_.clip);
+    const std::string region = range(program_.clip), numerator = range(program_.numerator);
     std::string functions;
     for (long n : powers_) functions += power_function(n);
     out_.source = functions + taylor_functions(program_, precision_) +
                   "// Affine enclosure over a piece of ray.\n"
                   "static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {\n" +
-                  text_ + finish_masks(program_) + finish_region(program_, region) + fmt::format("  return {};\n}}\n", result);
+                  text_ + finish_masks(program_) + finish_region(program_, region, numerator) + fmt::format("  return {};\n}}\n", result);
     return std::move(out_);
   }
 

@@ -81,7 +81,7 @@ Emitted emit_interval(const Program& program, Precision precision) {
     text += fmt::format("  const IA {} = {};\n", r, value);
     emit_inherited(program, v, text);
   }
-  text += finish_masks(program) + finish_region(program, operand(program.clip)) + fmt::format("  return {};\n}}\n", name(program.result));
+  text += finish_masks(program) + finish_region(program, operand(program.clip), operand(program.numerator)) + fmt::format("  return {};\n}}\n", name(program.result));
   std::string functions;
   for (long n : powers) functions += power_function(n);
   out.source = functions + taylor_functions(program, precision) + text;

@@ -12,6 +12,7 @@
 
 #include "error.h"
 #include "expr/build.h"
+#include "expr/fraction.h"
 #include "caps.h"
 #include "program/operators.h"
 #include "program/program.h"
@@ -48,14 +49,17 @@ Bounds times_bounds(Bounds a, Bounds b) {
 
 class Lowering {
  public:
-  Program run(const Expr& f, bool isovalue, const Expr* g) {
-    collect_parameters(f, g);
+  Program run(const Expr& f, bool isovalue, const Expr* g, bool poles) {
+    const auto whole = poles ? fraction(f) : std::nullopt;
+    collect_parameters(f, g, whole);
     program_.result = value_of(f);
     if (g) program_.clip = value_of(*g);
+    if (whole) program_.numerator = value_of(whole->numerator);
     program_.isovalue = isovalue;
     if (isovalue) {
       const Value iso = emit({.code = Code::Parameter, .index = static_cast<std::int64_t>(program_.parameters.size())});
       program_.result = binary(Code::Sub, program_.result, iso);
+      if (whole) program_.numerator = binary(Code::Sub, program_.numerator, binary(Code::Mul, iso, value_of(whole->denominator)));
     }
     prune();
     return std::move(program_);
@@ -67,10 +71,11 @@ class Lowering {
   std::unordered_map<const Node*, Value> done_;
   std::map<std::tuple<Code, Value, Value, Value, double, double, std::int64_t>, Value> known_;
 
-  void collect_parameters(const Expr& f, const Expr* g) {
+  void collect_parameters(const Expr& f, const Expr* g, const std::optional<Fraction>& whole) {
     std::set<std::string> names;
     std::vector<std::pair<Expr, bool>> stack{{f, false}};
     if (g) stack.emplace_back(*g, false);
+    if (whole) stack.insert(stack.end(), {{whole->numerator, false}, {whole->denominator, false}});
     while (!stack.empty()) {
       auto [e, ready] = stack.back();
       stack.pop_back();
@@ -380,7 +385,7 @@ class Lowering {
   // Drops what the result does not need and renumbers.
   void prune() {
     std::vector<char> live(program_.code.size(), 0);
-    for (Value v : {program_.result, program_.clip})
+    for (Value v : {program_.result, program_.clip, program_.numerator})
       if (v >= 0) live[static_cast<std::size_t>(v)] = 1;
     for (std::size_t i = program_.code.size(); i-- > 0;) {
       if (!live[i]) continue;
@@ -398,7 +403,7 @@ class Lowering {
       renamed[i] = static_cast<Value>(kept.size());
       kept.push_back(in);
     }
-    for (Value* v : {&program_.result, &program_.clip})
+    for (Value* v : {&program_.result, &program_.clip, &program_.numerator})
       if (*v >= 0) *v = renamed[static_cast<std::size_t>(*v)];
     program_.code = std::move(kept);
   }
@@ -406,10 +411,10 @@ class Lowering {
 
 }  // namespace
 
-Program lower(const Expr& f, bool isovalue, const Expr* g) {
+Program lower(const Expr& f, bool isovalue, const Expr* g, bool poles) {
   if (f.is_condition() || (g && g->is_condition()))
     throw ExpressionError("a condition is not a formula; use Piecewise to give it values");
-  return Lowering().run(f, isovalue, g);
+  return Lowering().run(f, isovalue, g, poles);
 }
 
 }  // namespace irt::program

@@ -99,10 +99,16 @@ std::string finish_masks(const Program& program) {
                      mask_or_none(program, program.result, 'r'));
 }
 
-std::string finish_region(const Program& program, const std::string& range) {
-  if (program.clip < 0) return {};
-  const std::string u = mask_or_none(program, program.clip, 'u'), r = mask_or_none(program, program.clip, 'r');
-  return fmt::format("  const IA region = {};\n  *outside = GT(region.lo, (F)0) | {};\n  *inside = LE(region.hi, (F)0) & ~{};\n", range, u, r);
+std::string finish_region(const Program& program, const std::string& clip, const std::string& numerator) {
+  if (!program.has_region()) return {};
+  std::string text = "  I outer = NONE, inner = ALL;\n";
+  if (program.clip >= 0) {
+    const std::string u = mask_or_none(program, program.clip, 'u'), r = mask_or_none(program, program.clip, 'r');
+    text += fmt::format("  const IA region = {};\n  outer = GT(region.lo, (F)0) | {};\n  inner = LE(region.hi, (F)0) & ~{};\n", clip, u, r);
+  }
+  if (program.numerator >= 0)
+    text += fmt::format("  // f is not zero where its numerator is not.\n  const IA above = {};\n  outer |= GT(above.lo, (F)0) | LT(above.hi, (F)0);\n", numerator);
+  return text + "  *outside = outer;\n  *inside = inner;\n";
 }
 
 }  // namespace irt::program

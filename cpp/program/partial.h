@@ -19,8 +19,9 @@ void emit_inherited(const Program& program, Value v, std::string& text);
 // The statements that hand the masks of the result to the caller.
 std::string finish_masks(const Program& program);
 
-// Those that tell where the piece lies in the clip region, `range` being the interval of Program::clip; "" without one.
-std::string finish_region(const Program& program, const std::string& range);
+// Those that tell whether the piece lies in the clip region and whether f can be zero at all, from the intervals of Program::clip and
+// Program::numerator; "" in programs with neither.
+std::string finish_region(const Program& program, const std::string& clip, const std::string& numerator);
 
 bool is_condition(Code code);
 

@@ -75,11 +75,14 @@ struct Instruction {
 struct Program {
   std::vector<Instruction> code;  // operands come before their users
   Value result = 0;
+  Value numerator = -1;                 // where this is not zero, f is not (expr/fraction.h); -1: f has no poles to see through
   Value clip = -1;                      // where this is above zero, zeros of the result do not count; -1: they do everywhere
   std::vector<std::string> parameters;  // sorted by name
   std::vector<std::vector<numerics::Bounds>> polynomials;  // coefficients, lowest first
   bool isovalue = false;                // one more input, after the parameters
 
+  // Whether pieces of ray are told to be passed over for other reasons than the sign of f.
+  bool has_region() const { return clip >= 0 || numerator >= 0; }
   std::size_t inputs() const { return parameters.size() + (isovalue ? 1 : 0); }
 
   const Instruction& operator[](Value v) const { return code[static_cast<std::size_t>(v)]; }
@@ -87,8 +90,8 @@ struct Program {
 };
 
 // The program of f, or of f - isovalue with the isovalue as one more parameter; and of g, where zeros of f count only if
-// g <= 0. Symbols of both other than x, y, z are parameters. Throws LimitError past limits::kOperations.
-Program lower(const Expr& f, bool isovalue = false, const Expr* g = nullptr);
+// g <= 0; with the numerator of f where `poles` asks for it and there is one. Symbols of both other than x, y, z are parameters. Throws LimitError past limits::kOperations.
+Program lower(const Expr& f, bool isovalue = false, const Expr* g = nullptr, bool poles = false);
 
 // An upper bound of the magnitude of every intermediate value, for interval and affine forms alike, where the
 // coordinates stay below `coordinates` and the parameters below `parameters`; infinity where a value has no bound

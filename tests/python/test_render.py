@@ -135,9 +135,26 @@ def test_outputs_and_transparency() -> None:
     assert set(np.unique(clear.rgba[..., 3])) <= {0, 255} and clear.rgba[0, 0, 3] == 0
 
 
+@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("formula", ["1/x + y", "y - tan(3x)/2", "z + x/(y^2 - 1/4)", "1/(x - y) - 2/(z + x)"])
+def test_poles_of_quotients_are_seen_through(formula: str, method: str) -> None:
+    frame = irt.render(formula, bounds=1.5, size=(40, 40), method=method, outputs=())
+    truth = irt.reference(formula, bounds=1.5, size=(40, 40))
+    assert (frame.status == Status.UNRESOLVED).mean() < 0.02
+    assert not (truth.hit & (frame.status == Status.MISS)).any()
+    assert not ((truth.kind == Status.MISS) & (frame.status == Status.HIT)).any()
+    assert truth.hit.any() and (frame.status == Status.MISS).any()
+
+
+def test_poles_with_an_isovalue() -> None:
+    at = [irt.trace("1/x", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=3, bounds=2, isovalue=v) for v in (2, 4)]
+    assert np.allclose([hits.t[0] for hits in at], [1.5, 1.25], atol=1e-3)
+    assert [hits.status[0] for hits in at] == [Status.HIT, Status.HIT] and at[1].stats.builds == 0
+
+
 def test_poles_and_jumps_are_no_hits() -> None:
     pole = irt.trace("1/x", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=2, bounds=2)
-    assert pole.status[0] in (Status.MISS, Status.UNRESOLVED)
+    assert pole.status[0] == Status.MISS
     jump = irt.trace("sign(x)", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=2, bounds=2)
     assert jump.status[0] == Status.TOUCH
     assert irt.trace("log(x) + 5", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=2, bounds=2).hit[0]
