@@ -70,6 +70,7 @@ render::Options options_of(const py::dict& request, const program::Program& prog
   render::Options o;
   o.affine = get<std::string>(request, "algebra") == "raa";
   if (request.contains("finder")) o.finder = get<std::string>(request, "finder");
+  if (request.contains("reads")) o.reads = get<std::string>(request, "reads");
   o.outward = get<std::string>(request, "rounding") == "outward";
   const auto precision = get<std::string>(request, "precision");
   o.precision = precision == "single"   ? render::PrecisionMode::Single

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
 #include "error.h"
@@ -92,13 +93,10 @@ constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "int
                                        "affine_real_power.cl", "affine_trigonometric.cl", "affine_choice.cl", "affine_modulo.cl",
                                        "affine_select.cl"};
 
-}  // namespace
+std::string included(const std::string& name) { return fmt::format("\n// ---- {}\n", name) + library_file(name); }
 
-const char* entry_name(Entry entry) {
-  return entry == Entry::Enclose ? "enclose_pieces" : entry == Entry::Neighbours ? "shade_neighbours" : "trace";
-}
-
-std::string assemble(const program::Program& program, const Spec& spec) {
+// The formula as an enclosure, with the arithmetic that it needs.
+std::string enclosures(const program::Program& program, const Spec& spec) {
   program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision, spec.infinite) : program::emit_interval(program, spec.precision);
   // Files that others build on.
   if (f.files.count("affine_trigonometric.cl")) f.files.insert({"affine_divide.cl", "interval_trigonometric.cl"});
@@ -108,29 +106,70 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     if (f.files.count(name)) f.files.insert("affine_smooth.cl");
   if (f.files.count("interval_power.cl")) f.files.insert("interval_exponential.cl");
   if (f.files.count("interval_modulo.cl")) f.files.insert({"interval_divide.cl", "interval_step.cl"});
-  std::string text = prelude(spec) + parameters_of(program, spec);
-  // Shading needs no enclosures.
-  const bool encloses = spec.entry != Entry::Neighbours;
-  const auto include = [&](const std::string& name) { text += fmt::format("\n// ---- {}\n", name) + library_file(name); };
-  include("packet.cl");
+  std::string text;
   for (const char* name : kArithmetic)
-    if (encloses && f.files.count(name)) include(name);
+    if (f.files.count(name)) text += included(name);
   const bool range = !spec.affine || f.range_result;
-  if (encloses) text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
-  if (spec.normal || spec.rgb) text += "\n" + program::emit_gradient(program, spec.precision).source;
+  return text + fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
+}
+
+std::string values(const program::Program& program, const Spec& spec) { return "\n" + program::emit_value(program, spec.precision).source; }
+std::string slopes(const program::Program& program, const Spec& spec) {
+  return values(program, spec) + "\n" + program::emit_slope(program, spec.precision).source;
+}
+
+// What root finders may read of f along the ray: a method names it (Spec::reads), and its kernel has that and nothing else. The
+// functions of the formula, and the files that evaluate them along a path.
+struct Reader {
+  std::string_view name;
+  std::string (*formula)(const program::Program&, const Spec&);
+  std::vector<std::string> (*files)(const Spec&);
+  bool gradient = false;  // irt_gradient, too
+};
+
+const Reader kReaders[] = {
+    {"enclosures", enclosures, [](const Spec& s) -> std::vector<std::string> { return {s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl", "form.cl"}; }},
+    {"values", values, [](const Spec&) -> std::vector<std::string> { return {"values.cl"}; }},
+    {"slopes", slopes, [](const Spec&) -> std::vector<std::string> { return {"values.cl", "slopes.cl"}; }},
+    {"gradients", values, [](const Spec&) -> std::vector<std::string> { return {"values.cl", "gradients.cl"}; }, true},
+};
+
+const Reader& reader_of(const Spec& spec) {
+  for (const Reader& r : kReaders)
+    if (r.name == spec.reads) return r;
+  throw Error(fmt::format("{}.cl reads '{}', which kernels do not know", spec.finder, spec.reads));
+}
+
+}  // namespace
+
+const char* entry_name(Entry entry) {
+  return entry == Entry::Enclose ? "enclose_pieces" : entry == Entry::Neighbours ? "shade_neighbours" : "trace";
+}
+
+std::string assemble(const program::Program& program, const Spec& spec) {
+  std::string text = prelude(spec) + parameters_of(program, spec);
+  const auto include = [&](const std::string& name) { text += included(name); };
+  const auto gradient = [&](bool wanted) {
+    if (wanted) text += "\n" + program::emit_gradient(program, spec.precision).source;
+  };
+  include("packet.cl");
   if (spec.entry == Entry::Enclose) {
+    text += enclosures(program, spec);
     include("enclose.cl");
-  } else if (spec.entry == Entry::Neighbours) {
+  } else if (spec.entry == Entry::Neighbours) {  // shading needs nothing but the gradient
+    gradient(spec.normal || spec.rgb);
     for (const char* name : {"scene.cl", "ray_camera.cl", "normal.cl", "shade.cl"}) include(name);
     text += fmt::format("#define JUMP R({}.0)\n", kJump);
     include("neighbours.cl");
   } else {
+    const Reader& reader = reader_of(spec);
+    text += reader.formula(program, spec);
+    gradient(spec.normal || spec.rgb || reader.gradient);
     include("scene.cl");
     include(spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl");
     include("clip.cl");
     include("path.cl");
-    include(spec.affine ? "enclosure_affine.cl" : "enclosure_interval.cl");
-    include("form.cl");
+    for (const std::string& name : reader.files(spec)) include(name);
     include(spec.finder + ".cl");
     if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
@@ -145,7 +184,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
 namespace {
 
 std::string joined(std::string text, std::initializer_list<const char*> files) {
-  for (const std::string name : files) text += fmt::format("\n// ---- {}\n", name) + library_file(name);
+  for (const char* name : files) text += included(name);
   return text;
 }
 

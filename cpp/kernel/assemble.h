@@ -17,6 +17,7 @@ struct Spec {
   Entry entry = Entry::Camera;
   bool affine = false;
   std::string finder = "bisection";  // kernels/<finder>.cl
+  std::string reads = "enclosures";  // what it reads of f along the ray (assemble.cpp, kReaders)
   program::Precision precision = program::Precision::Single;
   int width = 16;        // reals per packet
   bool outward = true;   // rounding="outward"

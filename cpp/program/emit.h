@@ -29,6 +29,13 @@ Emitted emit_interval(const Program& program, Precision precision);
 // is a range. `infinite`: values may leave the range of reals (program::magnitude), so that exponentials may lose their upper end.
 Emitted emit_affine(const Program& program, Precision precision, bool infinite);
 
+// static inline F irt_value(F x, F y, F z PARAMETERS); and irt_region, the same for the clip formula, in programs with one.
+Emitted emit_value(const Program& program, Precision precision);
+
+// static inline F irt_slope(F x, F y, F z, F dx, F dy, F dz PARAMETERS, F* slope): the value, and the exact derivative along the
+// direction by forward accumulation.
+Emitted emit_slope(const Program& program, Precision precision);
+
 // static inline F irt_gradient(F x, F y, F z PARAMETERS, F* gx, F* gy, F* gz): the value, and the exact gradient by
 // reverse accumulation.
 Emitted emit_gradient(const Program& program, Precision precision);

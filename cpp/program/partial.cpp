@@ -52,8 +52,6 @@ void emit_condition(const Program& program, Value v, const std::string& a, const
 
 }  // namespace
 
-bool is_condition(Code code) { return code >= Code::Less && code <= Code::True; }
-
 bool emit_masked(const Program& program, Value v, const std::string& a, const std::string& b, const std::string& c,
                  Precision precision, char prefix, std::string& text) {
   const Instruction& in = program[v];

@@ -23,6 +23,4 @@ std::string finish_masks(const Program& program);
 // Program::numerator; "" in programs with neither.
 std::string finish_region(const Program& program, const std::string& clip, const std::string& numerator);
 
-bool is_condition(Code code);
-
 }  // namespace irt::program

@@ -61,6 +61,8 @@ enum class Code : std::uint8_t {
   Undefined,  // the value of a Piecewise none of whose conditions holds
 };
 
+inline bool is_condition(Code code) { return code >= Code::Less && code <= Code::True; }
+
 using Value = std::int32_t;  // index of an instruction
 
 struct Instruction {

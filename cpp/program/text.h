@@ -4,6 +4,8 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "program/emit.h"
 
@@ -32,6 +34,12 @@ std::string taylor_functions(const Program& program, Precision precision);
 // The name of a value in generated code, "v12"; "q12" is its range where forms and ranges stand side by side.
 std::string name(Value v, char prefix = 'v');
 std::string mask(char kind, Value v);
+
+// Statements that compute the value of v at a point, and with `derivative` what its partial derivatives need.
+std::string point_statement(const Program& program, Value v, Precision precision, bool derivative);
+
+// The partial derivatives of v by its operands, as text; not those of Code::Select.
+std::vector<std::pair<Value, std::string>> partials_of(const Program& program, Value v, Precision precision);
 
 // The interval of v from those of its operands, for every operator that has no masks and is no condition. Notes the powers
 // whose functions it calls.

@@ -58,6 +58,7 @@ enum class PrecisionMode { Single, Double, Auto };
 struct Options {
   bool affine = true;
   std::string finder = "bisection";  // kernels/<finder>.cl
+  std::string reads = "enclosures";  // what it reads of f along the ray
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;

@@ -192,6 +192,7 @@ Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Pr
 kernel::Spec with_options(kernel::Spec spec, const Options& options) {
   spec.affine = options.affine;
   spec.finder = options.finder;
+  spec.reads = options.reads;
   spec.outward = options.outward;
   spec.normal = options.normal;
   spec.rgb = options.rgb;

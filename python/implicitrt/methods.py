@@ -53,12 +53,14 @@ class Contraction:
 
 @dataclass(frozen=True)
 class Entry:
-    """A method as it runs: kernels/<finder>.cl, with an algebra, and whether it asks the formula of `Clip`."""
+    """A method as it runs: kernels/<finder>.cl, with an algebra, whether it asks the formula of `Clip`, and what it reads of f
+    along the ray (kReaders in cpp/kernel/assemble.cpp)."""
 
     method: Method
     finder: str
     algebra: str
     clips: bool
+    reads: str = "enclosures"
 
 
 _FRUSTUM_FINDERS = {

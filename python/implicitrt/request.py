@@ -34,6 +34,7 @@ def finder_request(
         "method": entry.method.name,
         "guarantee": entry.method.guarantee,
         "finder": entry.finder,
+        "reads": entry.reads,
         "algebra": entry.algebra,
         "precision": one_of(precision, "precision", ("auto", "single", "double")),
         # What samples proves nothing, however it rounds.

@@ -92,5 +92,24 @@ TEST(Magnitude, TellsWhatCanOverflow) {
   EXPECT_GT(magnitude(lower(parse("1/x")), at, {}), 1e300);
 }
 
+TEST(Emit, SlopesFollowTheDirectionAndLeaveOutWhatDoesNotMove) {
+  const Program p = lower(parse("a^3*x + sin(y)"));
+  const std::string slope = emit_slope(p, Precision::Single).source;
+  EXPECT_NE(slope.find("dx"), std::string::npos);
+  EXPECT_NE(slope.find("cos("), std::string::npos);
+  EXPECT_EQ(slope.find("dz;"), std::string::npos);
+  EXPECT_EQ(emit_value(p, Precision::Single).source.find("cos("), std::string::npos);
+  EXPECT_NE(emit_slope(lower(parse("floor(x)")), Precision::Single).source.find("*slope = (F)0"), std::string::npos);
+}
+
+TEST(Emit, ValuesHaveNothingOfTheClipFormulaAndTheOtherWayRound) {
+  const Expr clip = parse("cos(z)");
+  const std::string text = emit_value(lower(parse("sin(x)"), false, &clip), Precision::Single).source;
+  const std::size_t region = text.find("irt_region");
+  ASSERT_NE(region, std::string::npos);
+  EXPECT_EQ(text.substr(0, region).find("cos("), std::string::npos);
+  EXPECT_EQ(text.substr(region).find("sin("), std::string::npos);
+}
+
 }  // namespace
 }  // namespace irt::program
