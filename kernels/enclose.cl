@@ -3,9 +3,9 @@
 // coordinates: planar with the stride given; three reals an axis: lo, hi, 0 (intervals) or x, y, z (affine forms).
 #define TERM(k) LOAD(coordinates + (k) * (size_t)stride + at)
 
-__kernel void enclose_pieces(__global const real* coordinates, const int stride, __global real* lower,
-                             __global real* upper PARAMETERS, const int first_column, const int first_row) {
-  const size_t at = W * (first_column + get_global_id(0));
+// Not inlined, as in trace.cl.
+__attribute__((noinline)) void enclose_packet(const size_t at, __global const real* coordinates, const int stride, __global real* lower,
+                                              __global real* upper PARAMETERS) {
   I undefined, rough;
 #if IRT_AFFINE
   const RA x = ra(TERM(0), TERM(1), TERM(2)), y = ra(TERM(3), TERM(4), TERM(5)), z = ra(TERM(6), TERM(7), TERM(8));
@@ -20,4 +20,9 @@ __kernel void enclose_pieces(__global const real* coordinates, const int stride,
 #endif
   STORE(SELECT(undefined, (F)NAN, f.lo), lower + at);
   STORE(SELECT(undefined, (F)NAN, f.hi), upper + at);
+}
+
+__kernel void enclose_pieces(__global const real* coordinates, const int stride, __global real* lower,
+                             __global real* upper PARAMETERS, const int first_column, const int first_row) {
+  enclose_packet(W * (first_column + get_global_id(0)), coordinates, stride, lower, upper PARAMETERS_PASS);
 }

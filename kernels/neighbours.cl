@@ -43,15 +43,13 @@ static inline OFFSET difference(OFFSET a, OFFSET b) {
   return o;
 }
 
-__kernel void shade_neighbours(RAY_DECL, __global const real* q, const int pitch,
-#if IRT_NORMAL
-                               __global float* normal, const int plane,
-#endif
-#if IRT_RGB
-                               __global uint* rgba, const uint background,
-#endif
-                               __global const real* depths, __global const real* steps PARAMETERS, const int first_column, const int first_row) {
-  const size_t column = first_column + get_global_id(0), row = first_row + get_global_id(1), at = row * pitch + column * W;
+#define SHADE_DECL \
+  RAY_DECL, __global const real *q, const int pitch, NORMAL_DECL RGB_DECL __global const real *depths, __global const real *steps PARAMETERS
+#define SHADE_PASS RAY_PASS, q, pitch, NORMAL_PASS RGB_PASS depths, steps PARAMETERS_PASS
+
+// Not inlined, as in trace.cl.
+__attribute__((noinline)) void shade_packet(const size_t column, const size_t row, SHADE_DECL) {
+  const size_t at = row * pitch + column * W;
   const RAY ray = make_ray(RAY_PASS, q, column, row);
   const size_t width = pitch + 2;
   __global const real* here = depths + (row + 1) * width + column * W + 1;
@@ -80,4 +78,8 @@ __kernel void shade_neighbours(RAY_DECL, __global const real* q, const int pitch
 #if IRT_RGB
   STORE_UINT(shade(status, n.front, n.x, n.y, n.z, vx, vy, vz, background, q), rgba + at);
 #endif
+}
+
+__kernel void shade_neighbours(SHADE_DECL, const int first_column, const int first_row) {
+  shade_packet(first_column + get_global_id(0), first_row + get_global_id(1), SHADE_PASS);
 }

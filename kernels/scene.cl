@@ -54,3 +54,19 @@ static inline FW careful_sqrt(FW v) {
   const FW r = sqrt(v);
   return r + fma(-r, r, v) / (r + r);
 }
+
+// Outputs that a call may ask for, as arguments of its kernel.
+#if IRT_NORMAL
+#define NORMAL_DECL __global float *normal, const int plane,
+#define NORMAL_PASS normal, plane,
+#else
+#define NORMAL_DECL
+#define NORMAL_PASS
+#endif
+#if IRT_RGB
+#define RGB_DECL __global uint *rgba, const uint background,
+#define RGB_PASS rgba, background,
+#else
+#define RGB_DECL
+#define RGB_PASS
+#endif

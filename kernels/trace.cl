@@ -1,16 +1,19 @@
 // The kernel of a call: ray, clip, root, normal, colour, for one packet of rays. Only what was asked for is compiled.
-__kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int max_pieces,
-#if IRT_NORMAL
-                    __global float* normal, const int plane,
-#endif
-#if IRT_RGB
-                    __global uint* rgba, const uint background,
-#endif
 #if IRT_PIECES
-                    __global uint* pieces,
+#define PIECES_DECL __global uint *pieces,
+#define PIECES_PASS pieces,
+#else
+#define PIECES_DECL
+#define PIECES_PASS
 #endif
-                    __global real* depth, __global real* uncertainty, __global uchar* status ARGUMENTS, const int first_column, const int first_row) {
-  const size_t column = first_column + get_global_id(0), row = first_row + get_global_id(1), at = row * pitch + column * W;
+#define TRACE_DECL \
+  RAY_DECL, __global const real *q, const int pitch, const int max_pieces, NORMAL_DECL RGB_DECL PIECES_DECL __global real *depth, \
+      __global real *uncertainty, __global uchar *status ARGUMENTS
+#define TRACE_PASS RAY_PASS, q, pitch, max_pieces, NORMAL_PASS RGB_PASS PIECES_PASS depth, uncertainty, status ARGUMENTS_PASS
+
+// Not inlined: PoCL makes three functions of every kernel, and would compile all of this in each.
+__attribute__((noinline)) void trace_packet(const size_t column, const size_t row, TRACE_DECL) {
+  const size_t at = row * pitch + column * W;
   const RAY ray = make_ray(RAY_PASS, q, column, row);
   const RANGE range = clip_ray(&ray, q);
   const ROOT root = find_root(&ray, &range, q, max_pieces FINDER_PASS);
@@ -49,4 +52,8 @@ __kernel void trace(RAY_DECL, __global const real* q, const int pitch, const int
 #if IRT_RGB
   STORE_UINT(shade(root.status, n.front, n.x, n.y, n.z, vx, vy, vz, background, q), rgba + at);
 #endif
+}
+
+__kernel void trace(TRACE_DECL, const int first_column, const int first_row) {
+  trace_packet(first_column + get_global_id(0), first_row + get_global_id(1), TRACE_PASS);
 }

@@ -71,7 +71,7 @@ std::string parameters_of(const program::Program& program, const Spec& spec) {
                                  program[program.result].partial ? 1 : 0);
   text += program.inputs() > 0 ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
                                : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
-  text += "#define ARGUMENTS PARAMETERS\n#define FINDER_PASS PARAMETERS_PASS\n";
+  text += "#define ARGUMENTS PARAMETERS\n#define ARGUMENTS_PASS PARAMETERS_PASS\n#define FINDER_PASS PARAMETERS_PASS\n";
   text += fmt::format("#define IRT_CLIP {}\n", program.clip >= 0 ? 1 : 0);
   // What clip and numerator tell of a piece of ray; without them everything is inside.
   text += program.has_region() ? "#define REGION_PARAMETERS , I* outside, I* inside\n#define REGION_PASS , outside, inside\n"
@@ -203,10 +203,10 @@ std::string assemble_frustum(const Spec& spec) {
   std::string text = prelude(spec) +
       fmt::format("#define IRT_DEGREE {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n", spec.degree, spec.tile, gradient ? 1 : 0) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
-                          "#define FINDER_PASS , column, row, rays_form, stride, reach_s\n") : std::string("#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, __global const real *basis, "
+                          "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n") : std::string("#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, __global const real *basis, "
       "const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows\n"
-      "#define FINDER_PASS , column, row, tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n")) +
-      "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
+      "#define ARGUMENTS_PASS , tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n")) +
+      "#define FINDER_PASS , column, row ARGUMENTS_PASS\n#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
   text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl", rays ? "frustum_rays.cl" : "frustum_cells.cl"});
   const bool knots = spec.finder.starts_with("frustum_mr");
   text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
@@ -217,7 +217,7 @@ std::string assemble_given(const Spec& spec) {
   std::string text = prelude(spec) +
       fmt::format("#define IRT_GRADIENT_FOUND {}\n", spec.normal || spec.rgb ? 1 : 0) +
       "#define ARGUMENTS , __global const real* given, const int stride\n#define FINDER , const size_t packet, __global const real* given, const int stride\n"
-      "#define FINDER_PASS , column, given, stride\n";
+      "#define ARGUMENTS_PASS , given, stride\n#define FINDER_PASS , column ARGUMENTS_PASS\n";
   text = joined(text, {"packet.cl", "scene.cl", spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "given.cl"});
   return with_shading(text, spec);
 }
