@@ -22,7 +22,7 @@ __attribute__((noinline)) void enclose_packet(const size_t at, __global const re
   STORE(SELECT(undefined, (F)NAN, f.hi), upper + at);
 }
 
-__kernel void enclose_pieces(__global const real* coordinates, const int stride, __global real* lower,
+__kernel __attribute__((vec_type_hint(F))) void enclose_pieces(__global const real* coordinates, const int stride, __global real* lower,
                              __global real* upper PARAMETERS, const int first_column, const int first_row) {
   enclose_packet(W * (first_column + get_global_id(0)), coordinates, stride, lower, upper PARAMETERS_PASS);
 }

@@ -80,6 +80,6 @@ __attribute__((noinline)) void shade_packet(const size_t column, const size_t ro
 #endif
 }
 
-__kernel void shade_neighbours(SHADE_DECL, const int first_column, const int first_row) {
+__kernel __attribute__((vec_type_hint(F))) void shade_neighbours(SHADE_DECL, const int first_column, const int first_row) {
   shade_packet(first_column + get_global_id(0), first_row + get_global_id(1), SHADE_PASS);
 }

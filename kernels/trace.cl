@@ -11,7 +11,8 @@
       __global real *uncertainty, __global uchar *status ARGUMENTS
 #define TRACE_PASS RAY_PASS, q, pitch, max_pieces, NORMAL_PASS RGB_PASS PIECES_PASS depth, uncertainty, status ARGUMENTS_PASS
 
-// Not inlined: PoCL makes three functions of every kernel, and would compile all of this in each.
+// Not inlined: PoCL makes three functions of every kernel, and would compile all of this in each. The hint tells drivers that
+// packets are vectors already (Intel's would try to make wider ones, for seconds).
 __attribute__((noinline)) void trace_packet(const size_t column, const size_t row, TRACE_DECL) {
   const size_t at = row * pitch + column * W;
   const RAY ray = make_ray(RAY_PASS, q, column, row);
@@ -54,6 +55,6 @@ __attribute__((noinline)) void trace_packet(const size_t column, const size_t ro
 #endif
 }
 
-__kernel void trace(TRACE_DECL, const int first_column, const int first_row) {
+__kernel __attribute__((vec_type_hint(F))) void trace(TRACE_DECL, const int first_column, const int first_row) {
   trace_packet(first_column + get_global_id(0), first_row + get_global_id(1), TRACE_PASS);
 }
