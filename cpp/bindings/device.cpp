@@ -18,6 +18,7 @@ void bind_device(py::module_& m) {
       .def_property_readonly("width", [](const Device& d) { return d.info().width; })
       .def_property_readonly("fp64", [](const Device& d) { return d.info().fp64; })
       .def_property_readonly("gpu", [](const Device& d) { return d.info().gpu; })
+      .def("finish", &Device::finish, py::call_guard<py::gil_scoped_release>(), "Waits for kernels that are built ahead.")
       .def_property_readonly("builds", [](const Device& d) { return d.builds(); });
   m.def("load_device", &device::load, py::arg("path"), py::arg("driver"), py::arg("width"), py::call_guard<py::gil_scoped_release>(),
         "Loads the driver at `path` into this process and opens its first device.");

@@ -167,6 +167,11 @@ Expr level_of(const Expr& f, const py::dict& request) {
   return level ? add(f, from_double(-get<double>(request, "isovalue"))) : f;
 }
 
+render::Formulas formulas_of(const Expr& f, const py::dict& request) {
+  const bool clipped = request.contains("clip") && !request["clip"].is_none();
+  return {level_of(f, request), clipped ? std::optional(get<Expr>(request, "clip")) : std::nullopt, get<std::map<std::string, double>>(request, "params")};
+}
+
 py::dict render_frame(const Expr& f, const py::dict& request) {
   const program::Program program = program_of(f, request);
   const render::Options options = picture_options(request, program);
@@ -182,15 +187,13 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   view.height = view.perspective ? 0 : camera["height"].cast<double>();
   view.columns = get<int>(request, "width");
   view.rows = get<int>(request, "height");
-  const Expr level = level_of(f, request);
-  const std::optional<Expr> g = request["clip"].is_none() ? std::nullopt : std::optional(get<Expr>(request, "clip"));
-  const auto parameters = get<std::map<std::string, double>>(request, "params");
+  const render::Formulas formulas = formulas_of(f, request);
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = !options.by_frustum() ? render::render_frame(program, view, bounds, options, *device)
-                                    : render::render_frustum(program, level, g, parameters, view, bounds, options, *device);
+    answer = !options.by_frustum() ? render::render_frame(program, formulas, view, bounds, options, *device)
+                                    : render::render_frustum(program, formulas, view, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
@@ -204,16 +207,15 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   const auto origins = get<DoubleArray>(request, "origins"), directions = get<DoubleArray>(request, "directions");
   const auto tmin = get<DoubleArray>(request, "tmin"), tmax = get<DoubleArray>(request, "tmax");
   const render::Rays rays{origins.data(), directions.data(), tmin.data(), tmax.data(), static_cast<std::size_t>(tmin.size())};
-  const Expr level = level_of(f, request);
-  const auto parameters = get<std::map<std::string, double>>(request, "params");
+  const render::Formulas formulas = formulas_of(f, request);
   if (options.by_frustum() && request.contains("clip") && !request["clip"].is_none())
     throw MethodError("trace by the frustum form's root finders knows no Clip; \"contract\", \"raa\" and \"ia\" do");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = !options.by_frustum() ? render::trace_rays(program, rays, bounds, options, *device)
-                                    : render::trace_frustum(level, parameters, rays, bounds, options, *device);
+    answer = !options.by_frustum() ? render::trace_rays(program, formulas, rays, bounds, options, *device)
+                                    : render::trace_frustum(formulas, rays, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);

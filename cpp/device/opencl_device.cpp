@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <future>
 #include <list>
 #include <mutex>
+#include <thread>
 #include <unordered_map>
 #include <utility>
 
@@ -93,21 +95,64 @@ class ClDevice : public Device {
   const Info& info() const override { return info_; }
   std::uint64_t builds() const override { return builds_; }
 
-  std::shared_ptr<Kernel> kernel(const std::string& source, const std::string& entry) override {
+  // Nothing is locked while a driver compiles: other kernels can be had, and who asks for the same one waits for it.
+  std::shared_ptr<Kernel> kernel(const std::string& source, const std::string& entry, bool* built) override {
     check_process();
-    const std::lock_guard lock(mutex_);
+    if (built) *built = false;
+    std::promise<std::shared_ptr<ClKernel>> promise;
+    std::unique_lock lock(mutex_);
     if (const auto it = index_.find(source); it != index_.end()) {
       recent_.splice(recent_.begin(), recent_, it->second);
-      return it->second->kernel;
+      const auto found = it->second->kernel;
+      lock.unlock();
+      return found.get();
     }
-    auto kernel = std::make_shared<ClKernel>(build(source), entry);
-    recent_.push_front({source, kernel});
+    recent_.push_front({source, promise.get_future().share()});
     index_[source] = recent_.begin();
     if (recent_.size() > kPrograms) {
       index_.erase(recent_.back().source);
       recent_.pop_back();
     }
-    return kernel;
+    lock.unlock();
+    try {
+      auto kernel = std::make_shared<ClKernel>(build(source), entry);
+      promise.set_value(kernel);
+      if (built) *built = true;
+      return kernel;
+    } catch (...) {
+      promise.set_exception(std::current_exception());
+      lock.lock();
+      if (const auto it = index_.find(source); it != index_.end()) {
+        recent_.erase(it->second);
+        index_.erase(it);
+      }
+      throw;
+    }
+  }
+
+  void prepare(const std::string& source, const std::string& entry) override {
+    check_process();
+    const std::lock_guard lock(ahead_mutex_);
+    {
+      const std::lock_guard found(mutex_);
+      if (index_.count(source)) return;
+    }
+    if (ahead_.joinable()) ahead_.join();
+    ahead_ = std::thread([this, source, entry] {
+      try {
+        kernel(source, entry, nullptr);
+      } catch (const std::exception&) {  // who needs it will be told
+      }
+    });
+  }
+
+  void finish() override {
+    if (getpid() != process_) {  // a forked child has no such thread
+      if (ahead_.joinable()) ahead_.detach();
+      return;
+    }
+    const std::lock_guard lock(ahead_mutex_);
+    if (ahead_.joinable()) ahead_.join();
   }
 
   std::unique_ptr<Buffer> buffer(void* host, std::size_t bytes, Access access) override {
@@ -166,14 +211,15 @@ class ClDevice : public Device {
  private:
   struct Entry {
     std::string source;
-    std::shared_ptr<ClKernel> kernel;
+    std::shared_future<std::shared_ptr<ClKernel>> kernel;
   };
   cl_device_id device_;
   cl_context context_;
   Queue queue_;
   Info info_;
   pid_t process_;
-  std::mutex mutex_;
+  std::mutex mutex_, ahead_mutex_;
+  std::thread ahead_;
   std::list<Entry> recent_;
   std::unordered_map<std::string, std::list<Entry>::iterator> index_;
   std::atomic<std::uint64_t> builds_{0};

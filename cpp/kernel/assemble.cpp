@@ -213,13 +213,4 @@ std::string assemble_frustum(const Spec& spec) {
   return with_shading(text, spec);
 }
 
-std::string assemble_given(const Spec& spec) {
-  std::string text = prelude(spec) +
-      fmt::format("#define IRT_GRADIENT_FOUND {}\n", spec.normal || spec.rgb ? 1 : 0) +
-      "#define ARGUMENTS , __global const real* given, const int stride\n#define FINDER , const size_t packet, __global const real* given, const int stride\n"
-      "#define ARGUMENTS_PASS , given, stride\n#define FINDER_PASS , column ARGUMENTS_PASS\n";
-  text = joined(text, {"packet.cl", "scene.cl", spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "given.cl"});
-  return with_shading(text, spec);
-}
-
 }  // namespace irt::kernel

@@ -41,9 +41,6 @@ std::string assemble(const program::Program& program, const Spec& spec);
 // The same for polynomials by their frustum form: it depends on the degree, never on the polynomial.
 std::string assemble_frustum(const Spec& spec);
 
-// A kernel that only shades what was found elsewhere (kernels/given.cl).
-std::string assemble_given(const Spec& spec);
-
 // The name of the entry point in it.
 const char* entry_name(Entry entry);
 

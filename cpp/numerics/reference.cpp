@@ -23,6 +23,8 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 // Pieces that one ray may take in an arithmetic before it is undecided. Named surfaces take some hundreds.
 constexpr int kPiecesInDouble = 30'000, kPiecesInMpfr = 3'000;
 constexpr mpfr_prec_t kPrecisions[] = {160, 640};
+// And with Query::quick, in double only; and the largest degree of a polynomial.
+constexpr int kQuickPieces = 1000, kQuickDegree = 64;
 
 std::optional<Clip> clip_of(const Ray& ray, double tmin, double tmax, const Query& query) {
   // Intervals around where the ray enters and leaves.
@@ -170,12 +172,13 @@ class March {
 // What one thread needs for formulas that are no polynomials.
 class Subdivision {
  public:
-  explicit Subdivision(const Formula& formula) : formula_(formula), in_double_(along_in_double(formula, ray_)) {}
+  Subdivision(const Formula& formula, bool quick) : formula_(formula), quick_(quick), in_double_(along_in_double(formula, ray_)) {}
 
   Root first_root(const Ray& ray, const Clip& clip) {
     ray_ = ray;
     std::vector<Piece> stack{{clip.enter_lo, clip.leave_hi}};
-    Root root = March(clip, Arithmetic::dbl).run(stack, *in_double_, kPiecesInDouble);
+    Root root = March(clip, Arithmetic::dbl).run(stack, *in_double_, quick_ ? kQuickPieces : kPiecesInDouble);
+    if (quick_) return root;
     for (std::size_t k = 0; k < std::size(kPrecisions) && root.kind == Kind::undecided; ++k) {
       if (!in_mpfr_[k]) in_mpfr_[k] = along_in_mpfr(formula_, ray_, kPrecisions[k]);
       root = March(clip, Arithmetic::mpfr).run(stack, *in_mpfr_[k], kPiecesInMpfr);
@@ -185,6 +188,7 @@ class Subdivision {
 
  private:
   const Formula& formula_;
+  bool quick_;
   Ray ray_{};
   std::unique_ptr<Along> in_double_;
   std::array<std::unique_ptr<Along>, std::size(kPrecisions)> in_mpfr_;
@@ -240,6 +244,7 @@ class Region {
 std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query) {
   const Formula formula(f, query.parameters);
   const std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
+  if (query.quick && plan && plan->degree() > kQuickDegree) return std::vector<Root>(rays.size());
   std::optional<Formula> g;
   if (query.clip) g.emplace(*query.clip, query.parameters);
   std::vector<Root> roots(rays.size());
@@ -253,7 +258,7 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
   const auto work = [&] {
     constexpr std::size_t kChunk = 16;
     try {
-      Subdivision subdivision(formula);
+      Subdivision subdivision(formula, query.quick);
       std::optional<Region> region;
       if (g) region.emplace(*g);
       for (std::size_t first; !stopped && (first = next.fetch_add(kChunk)) < rays.size();) {

@@ -31,6 +31,8 @@ struct Query {
   std::map<std::string, double> parameters;
   // Asked on the calling thread, many times a second; true ends the work, and the rays left are undecided.
   std::function<bool(double done)> stop;
+  // Gives up on what would take long: rays of more than some hundred pieces, high degrees.
+  bool quick = false;
 };
 
 // rays[i] for t in [tmin[i], tmax[i]] (exactly these doubles), clipped to the bounds. Uses all cores.

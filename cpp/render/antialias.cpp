@@ -76,7 +76,7 @@ std::vector<std::size_t> silhouettes(const Answer& answer, const View& view) {
   return pixels;
 }
 
-void antialias(Answer& answer, const Finder& find, const program::Program& program, const View& view, const Bounds& bounds,
+void antialias(Answer& answer, const Finder& find, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds,
                const Options& options, device::Device& device) {
   std::vector<std::size_t> pixels;
   if (!options.everywhere) {
@@ -96,7 +96,7 @@ void antialias(Answer& answer, const Finder& find, const program::Program& progr
     if (options.control.progress)
       colours.control.progress = [&, k](double done) { options.control.progress((k + done) / passes); };
     const Answer part = options.everywhere ? shaded(find, program, shifted, bounds, colours, device)
-                                           : camera_passes(program, shifted, bounds, colours, device, &pixels, answer.pitch);
+                                           : camera_passes(program, formulas, shifted, bounds, colours, device, &pixels, answer.pitch);
     answer.builds += part.builds;
     answer.build_seconds += part.build_seconds;
     answer.launch_seconds += part.launch_seconds;

@@ -53,6 +53,13 @@ struct Rays {
   std::size_t count = 0;
 };
 
+// What the host may ask of a formula itself: f less the isovalue, the clip formula, values of parameters by name.
+struct Formulas {
+  Expr f;
+  std::optional<Expr> g;
+  std::map<std::string, double> parameters;
+};
+
 enum class PrecisionMode { Single, Double, Auto };
 
 struct Options {
@@ -73,6 +80,8 @@ struct Options {
   glm::dvec3 light{0};                                             // towards it; zero: none
   device::Control control;
 
+  // Whether few open rays go to the reference: where statuses are proven, and no budget of pieces was set.
+  bool refers() const { return outward && max_pieces == 0 && (finder == "bisection" || finder == "contract"); }
   // Root finders of the frustum form take coefficients instead of a program.
   bool by_frustum() const { return finder.starts_with("frustum_"); }
 };
@@ -108,21 +117,20 @@ struct Answer {
   device::Outcome outcome = device::Outcome::done;
 };
 
-Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+Answer render_frame(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
                     device::Device& device);
 
-// By the frustum form; `program` is that of f, and g its clip formula. Throws MethodError where f is no polynomial, or one of too high a degree.
-Answer render_frustum(const program::Program& program, const Expr& f, const std::optional<Expr>& g, const std::map<std::string, double>& parameters,
-                      const View& view, const Bounds& bounds, const Options& options, device::Device& device);
+// By the frustum form; `program` is that of f. Throws MethodError where f is no polynomial, or one of too high a degree.
+Answer render_frustum(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device);
 
-Answer trace_frustum(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, const Bounds& bounds,
+Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& bounds,
                      const Options& options, device::Device& device);
 
 // The source of the kernel that render_frustum would run at 640 x 480.
 std::string frustum_source(const Expr& f, const std::map<std::string, double>& parameters, const Bounds& bounds, const Options& options,
                            const device::Device& device);
 
-Answer trace_rays(const program::Program& program, const Rays& rays, const Bounds& bounds, const Options& options,
+Answer trace_rays(const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options,
                   device::Device& device);
 
 // Coordinates of pieces, rounded outward by the caller: 9 doubles each, three an axis (lo, hi, 0 or x, y, z). The

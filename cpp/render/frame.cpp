@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "render/camera_terms.h"
+#include "render/decide.h"
 #include "render/passes.h"
 
 namespace irt::render {
@@ -88,20 +89,28 @@ void shade_by_neighbours(Answer& answer, const program::Program& program, const 
 
 }  // namespace
 
-Answer camera_passes(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
-                     device::Device& device, const std::vector<std::size_t>* pixels, std::size_t pitch) {
+Answer camera_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds,
+                     const Options& options, device::Device& device, const std::vector<std::size_t>* pixels, std::size_t pitch) {
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
-  // With parameters the second pass may be needed at any move of a slider, which should compile nothing.
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
-  if (second && program.inputs())
-    prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
   Answer answer = pass(program, view, bounds, options, device, first, pixels, pitch);
   if (!second || answer.outcome != device::Outcome::done) return answer;
-  const auto open = undecided(answer, options);
+  // With parameters this kernel may be needed at any move of a slider, which should compile nothing.
+  if (program.inputs()) prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
+  const auto named = [&](std::vector<std::size_t> which) {
+    if (pixels)
+      for (std::size_t& i : which) i = (*pixels)[i];
+    return which;
+  };
+  std::vector<std::size_t> open = undecided(answer, options);
+  if (open.size() <= kFewRays && options.refers()) {
+    numerics::Query query = query_of(formulas, bounds, options);
+    query.quick = true;
+    open = decide(answer, open, rays_of(view, named(open), pixels ? pitch : answer.pitch), formulas, query, options);
+    if (answer.outcome != device::Outcome::done) return answer;
+  }
   if (open.empty()) return answer;
-  auto which = open;
-  if (pixels)
-    for (std::size_t& i : which) i = (*pixels)[i];
+  const auto which = named(open);
   scatter(answer, pass(program, view, bounds, options, device, Precision::Double, &which, pixels ? pitch : answer.pitch), open);
   return answer;
 }
@@ -119,18 +128,18 @@ Answer shaded(const Finder& find, const program::Program& program, const View& v
   return answer;
 }
 
-Answer picture(const Finder& find, const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+Answer picture(const Finder& find, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
                device::Device& device) {
   Answer answer = shaded(find, program, view, bounds, options, device);
   if (options.samples > 1 && options.rgb && answer.outcome == device::Outcome::done)
-    antialias(answer, find, program, view, bounds, options, device);
+    antialias(answer, find, program, formulas, view, bounds, options, device);
   return answer;
 }
 
-Answer render_frame(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
+Answer render_frame(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
                     device::Device& device) {
-  const Finder find = [&](const View& v, const Options& o) { return camera_passes(program, v, bounds, o, device); };
-  return picture(find, program, view, bounds, options, device);
+  const Finder find = [&](const View& v, const Options& o) { return camera_passes(program, formulas, v, bounds, o, device); };
+  return picture(find, program, formulas, view, bounds, options, device);
 }
 
 std::string frame_source(const program::Program& program, const Bounds& bounds, const Options& options,

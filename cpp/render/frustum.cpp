@@ -7,11 +7,9 @@
 #include "caps.h"
 #include "error.h"
 #include "expr/build.h"
-#include "expr/calculus.h"
-#include "expr/tape.h"
 #include "numerics/frustum_form.h"
-#include "numerics/reference.h"
 #include "render/camera_terms.h"
+#include "render/decide.h"
 #include "render/frustum_clip.h"
 #include "render/passes.h"
 #include "render/ray_terms.h"
@@ -175,35 +173,6 @@ kernel::Spec spec_of(const Options& options, const device::Device& device, Preci
   return spec;
 }
 
-numerics::Query query_of(const std::map<std::string, double>& parameters, const Bounds& bounds, const Options& options) {
-  numerics::Query query{bounds.lower, bounds.upper, {}, {}, {}, parameters, [&options](double) {
-    return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
-  }};
-  for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
-  for (const HalfSpace& h : bounds.half_spaces) query.half_spaces.push_back({h.normal, h.offset});
-  return query;
-}
-
-// The gradient of f at points, in double.
-std::array<std::vector<double>, 3> gradients(const Expr& f, const std::map<std::string, double>& parameters, const std::array<std::vector<double>, 3>& points) {
-  const char* names[] = {"x", "y", "z"};
-  const std::size_t count = points[0].size();
-  std::array<std::vector<double>, 3> out;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Tape tape(differentiate(f, names[axis]));
-    std::vector<std::vector<double>> inputs;
-    for (const std::string& name : tape.symbols()) {
-      const int of = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
-      inputs.push_back(of >= 0 ? points[of] : std::vector<double>(count, parameters.at(name)));
-    }
-    std::vector<const double*> pointers;
-    for (const auto& v : inputs) pointers.push_back(v.data());
-    out[axis].resize(count);
-    tape.run(pointers, out[axis].data(), count);
-  }
-  return out;
-}
-
 // The formula as a polynomial of a degree that forms are made of.
 numerics::PolynomialPlan plan_of(const numerics::Formula& formula) {
   auto plan = numerics::PolynomialPlan::of(formula);
@@ -212,64 +181,6 @@ numerics::PolynomialPlan plan_of(const numerics::Formula& formula) {
                                   "\"ia\" draw every formula", limits::kFrustumDegree, plan ? fmt::format("of degree {}", plan->degree()) : "none"));
   return std::move(*plan);
 }
-
-// The pixels `open` by the reference, shaded by a kernel that only looks up what was found.
-Answer resolve(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds, const Options& options,
-               device::Device& device, const std::vector<std::size_t>& open, std::size_t pitch) {
-  const auto start = std::chrono::steady_clock::now();
-  const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
-  std::vector<numerics::Ray> rays;
-  std::vector<double> lengths, tmin(open.size(), 0), tmax(open.size(), HUGE_VAL);
-  for (const std::size_t i : open) {
-    const double sx = static_cast<double>((2 * (i % pitch + 0.5L + view.right_by) / view.columns - 1) * half * aspect),
-                 sy = static_cast<double>((1 - 2 * (i / pitch + 0.5L + view.down_by) / view.rows) * half);
-    if (view.perspective) {
-      const glm::dvec3 d = view.forward + sx * view.right + sy * view.up;
-      lengths.push_back(glm::length(d));
-      rays.push_back({view.origin, d / lengths.back()});
-    } else {
-      lengths.push_back(1);
-      rays.push_back({view.origin + sx * view.right + sy * view.up, view.forward});
-    }
-  }
-  const std::vector<numerics::Root> roots = numerics::reference(f, rays, tmin.data(), tmax.data(), query_of(parameters, bounds, options));
-
-  kernel::Spec spec = spec_of(options, device, Precision::Double, 0, 0);
-  spec.entry = kernel::Entry::PixelList;
-  spec.pieces = false;
-  Options rest = options;
-  rest.pieces = false;
-  Answer answer = make_answer(open.size(), 1, spec.width, spec.precision, rest);
-  const CameraTerms terms(view, bounds, spec.precision, spec.width);
-  const std::size_t stride = answer.pitch;
-  Reals given(spec.precision, 6 * stride);
-  std::array<std::vector<double>, 3> points;
-  for (std::size_t k = 0; k < stride; ++k) {
-    const std::size_t m = std::min(k, open.size() - 1);
-    const numerics::Root& root = roots[m];
-    const bool found = root.kind == numerics::Kind::hit || root.kind == numerics::Kind::touch;
-    const double t = found ? 0.5 * (root.lo + root.hi) : root.lo;
-    given.set(k, static_cast<double>(root.kind));
-    given.set(stride + k, t / lengths[m] - terms.tau);
-    given.set(2 * stride + k, found ? 0.5 * (root.hi - root.lo) / lengths[m] + 4e-16 * std::fabs(terms.tau) : 0);
-    for (int axis = 0; axis < 3; ++axis) points[axis].push_back(rays[m].origin[axis] + (found ? t : 0) * rays[m].direction[axis]);
-  }
-  if (options.normal || options.rgb) {
-    const auto gradient = gradients(f, parameters, points);
-    for (int axis = 0; axis < 3; ++axis)
-      for (std::size_t k = 0; k < stride; ++k) given.set((3 + axis) * stride + k, gradient[axis][k]);
-  }
-  answer.prepare_seconds = seconds_since(start);
-  const Reals settings = scene_settings(bounds, options, spec.precision, terms.pad, -terms.tau);
-  const Memory list = pixel_list(open, stride, pitch);
-  const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device), pixels = device.buffer(list.data(), list.bytes(), device::Access::read),
-             found = given.buffer(device);
-  launch(kernel::assemble_given(spec), spec,
-         {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride), pixels.get()}, settings,
-         {found.get(), static_cast<std::int32_t>(stride)}, rest, device, answer);
-  return answer;
-}
-
 
 // One frame by the kernel of `precision`.
 Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
@@ -337,30 +248,20 @@ Answer picked(const Answer& frame, const std::vector<std::size_t>& which, const 
 }
 
 // Unit normals towards the viewer where there is a root; nan elsewhere.
-void add_normals(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, Answer& answer) {
-  std::array<std::vector<double>, 3> points;
-  const auto depth = [&](std::size_t i) { return answer.wide ? answer.depth->as<double>()[i] : static_cast<double>(answer.depth->as<float>()[i]); };
-  for (std::size_t i = 0; i < rays.count; ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      points[axis].push_back(rays.origins[3 * i + axis] + (std::isfinite(depth(i)) ? depth(i) : 0) * rays.directions[3 * i + axis]);
-  const auto g = gradients(f, parameters, points);
-  for (std::size_t i = 0; i < rays.count; ++i) {
+void add_normals(const Formulas& formulas, const std::vector<numerics::Ray>& rays, Answer& answer) {
+  std::vector<double> t;
+  for (std::size_t i = 0; i < rays.size(); ++i) t.push_back(answer.wide ? answer.depth->as<double>()[i] : static_cast<double>(answer.depth->as<float>()[i]));
+  const HostNormals found = normals_at(formulas, rays, t);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
     const unsigned char status = answer.status->as<unsigned char>()[i];
-    glm::dvec3 v(g[0][i], g[1][i], g[2][i]);
-    const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-    const bool good = (status == 1 || status == 2) && largest > 0 && std::isfinite(largest);
-    if (good) v = glm::normalize(v / largest);
-    const double* d = rays.directions + 3 * i;
-    if (v.x * d[0] + v.y * d[1] + v.z * d[2] > 0) v = -v;
     for (int axis = 0; axis < 3; ++axis)
-      answer.normal->as<float>()[axis * answer.pitch + i] = good ? static_cast<float>(v[axis]) : std::nanf("");
+      answer.normal->as<float>()[axis * answer.pitch + i] = status == 1 || status == 2 ? static_cast<float>(found.normals[i][axis]) : std::nanf("");
   }
 }
 
-Answer frustum_passes(const Expr& f, const std::map<std::string, double>& parameters, const View& view, const Bounds& bounds,
-                      const Options& options, device::Device& device) {
+Answer frustum_passes(const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
-  const numerics::Formula formula(f, parameters);
+  const numerics::Formula formula(formulas.f, formulas.parameters);
   const numerics::PolynomialPlan plan = plan_of(formula);
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   const Screen screen = screen_of(view, bounds, plan.degree());
@@ -382,29 +283,30 @@ Answer frustum_passes(const Expr& f, const std::map<std::string, double>& parame
     answer.escalated -= open.size();  // they are counted once
   }
   if (!open.empty()) {
-    const Answer rest = resolve(f, parameters, view, bounds, options, device, open, answer.pitch);
-    answer.prepare_seconds += rest.prepare_seconds;
-    scatter(answer, rest, open);
+    // Zeros that a clip formula passes over are judged later, by apply_clip.
+    const Formulas unclipped{formulas.f, {}, formulas.parameters};
+    const std::size_t counted = answer.escalated + open.size();
+    decide(answer, open, rays_of(view, open, answer.pitch), unclipped, query_of(unclipped, bounds, options), options);
+    answer.escalated = counted;
   }
   return answer;
 }
 
 }  // namespace
 
-Answer render_frustum(const program::Program& program, const Expr& f, const std::optional<Expr>& g, const std::map<std::string, double>& parameters,
-                      const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+Answer render_frustum(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
+                      device::Device& device) {
   const Finder find = [&](const View& v, const Options& o) {
-    Answer answer = frustum_passes(f, parameters, v, bounds, o, device);
-    if (g && answer.outcome == device::Outcome::done) apply_clip(answer, program, *g, parameters, v, bounds, o, device);
+    Answer answer = frustum_passes(formulas, v, bounds, o, device);
+    if (formulas.g && answer.outcome == device::Outcome::done) apply_clip(answer, program, formulas, v, bounds, o, device);
     return answer;
   };
-  return picture(find, program, view, bounds, options, device);
+  return picture(find, program, formulas, view, bounds, options, device);
 }
 
-Answer trace_frustum(const Expr& f, const std::map<std::string, double>& parameters, const Rays& rays, const Bounds& bounds,
-                     const Options& options, device::Device& device) {
+Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
-  const numerics::Formula formula(f, parameters);
+  const numerics::Formula formula(formulas.f, formulas.parameters);
   const numerics::PolynomialPlan plan = plan_of(formula);
   const std::size_t n = static_cast<std::size_t>(plan.degree()) + 1, count = rays.count;
   const Precision precision = options.precision == PrecisionMode::Single || !device.info().fp64 ? Precision::Single : Precision::Double;
@@ -446,25 +348,9 @@ Answer trace_frustum(const Expr& f, const std::map<std::string, double>& paramet
   if (answer.outcome != device::Outcome::done) return answer;
   if (precision == Precision::Double && options.outward) {
     const std::vector<std::size_t> open = undecided(answer, options);
-    std::vector<numerics::Ray> left;
-    std::vector<double> tmin, tmax;
-    for (const std::size_t i : open) {
-      left.push_back({vector(rays.origins + 3 * i), vector(rays.directions + 3 * i)});
-      tmin.push_back(rays.tmin[i]);
-      tmax.push_back(rays.tmax[i]);
-    }
-    const std::vector<numerics::Root> roots = numerics::reference(f, left, tmin.data(), tmax.data(), query_of(parameters, bounds, options));
-    for (std::size_t k = 0; k < open.size(); ++k) {
-      const numerics::Root& root = roots[k];
-      const bool found = root.kind == numerics::Kind::hit || root.kind == numerics::Kind::touch;
-      const double middle = found ? 0.5 * (root.lo + root.hi) : root.kind == numerics::Kind::miss ? HUGE_VAL : root.lo;
-      answer.status->as<unsigned char>()[open[k]] = static_cast<unsigned char>(root.kind);
-      answer.depth->as<double>()[open[k]] = middle;
-      answer.uncertainty->as<double>()[open[k]] = root.kind == numerics::Kind::hit ? std::max(root.hi - middle, middle - root.lo) * (1 + 0x1p-50) : std::nan("");
-    }
-    answer.escalated += open.size();
+    decide_rays(answer, open, rays, formulas, query_of(formulas, bounds, options), options);
   }
-  if (answer.normal) add_normals(f, parameters, rays, answer);
+  if (answer.normal) add_normals(formulas, rays_of(rays), answer);
   return answer;
 }
 

@@ -32,8 +32,7 @@ std::array<double, 9> box_of(const Answer& answer, std::size_t i, const View& vi
 
 }  // namespace
 
-void apply_clip(Answer& answer, const program::Program& program, const Expr& g, const std::map<std::string, double>& parameters,
-                const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
   std::vector<std::size_t> hits, again;
   for (std::size_t row = 0; row < answer.rows; ++row)
     for (std::size_t column = 0; column < answer.columns; ++column) {
@@ -45,13 +44,13 @@ void apply_clip(Answer& answer, const program::Program& program, const Expr& g, 
   const bool wide = device.info().fp64;
   std::vector<std::array<double, 9>> boxes;
   for (const std::size_t i : hits) boxes.push_back(box_of(answer, i, view, options, wide));
-  const program::Program region = program::lower(g);
+  const program::Program region = program::lower(*formulas.g);
   Options by_range = options;
   by_range.affine = false;
   by_range.outward = true;
   by_range.precision = wide ? PrecisionMode::Double : PrecisionMode::Single;
   by_range.parameters.clear();
-  for (const std::string& name : region.parameters) by_range.parameters.push_back(parameters.at(name));
+  for (const std::string& name : region.parameters) by_range.parameters.push_back(formulas.parameters.at(name));
   // Where g may be undefined its range alone says nothing.
   const bool partial = region[region.result].partial;
   const auto ranges = enclose_pieces(region, boxes, by_range, device);
@@ -62,7 +61,7 @@ void apply_clip(Answer& answer, const program::Program& program, const Expr& g, 
   march.finder = "contract";
   march.affine = true;
   const std::size_t escalated = answer.escalated;
-  const Answer part = camera_passes(program, view, bounds, march, device, &again, answer.pitch);
+  const Answer part = camera_passes(program, formulas, view, bounds, march, device, &again, answer.pitch);
   scatter(answer, part, again);
   answer.escalated = escalated + part.escalated;
 }

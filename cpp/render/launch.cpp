@@ -201,7 +201,7 @@ kernel::Spec with_options(kernel::Spec spec, const Options& options) {
 }
 
 void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device) {
-  device.kernel(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
+  device.prepare(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
 }
 
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,
@@ -217,9 +217,9 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   if (spec.precision == program::Precision::Double && !device.info().fp64)
     throw DeviceError(fmt::format("{} has no double precision; use precision=\"single\" or another device", device.info().name));
   const auto start = std::chrono::steady_clock::now();
-  const std::uint64_t builds = device.builds();
-  const auto kernel = device.kernel(source, kernel::entry_name(spec.entry));
-  answer.builds += device.builds() - builds;
+  bool built;
+  const auto kernel = device.kernel(source, kernel::entry_name(spec.entry), &built);
+  answer.builds += built;
   answer.build_seconds += seconds_since(start);
 
   std::vector<std::unique_ptr<device::Buffer>> buffers;

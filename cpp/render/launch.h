@@ -36,7 +36,7 @@ kernel::Spec with_options(kernel::Spec spec, const Options& options);
 // A colour in linear light, and its alpha, as sRGB bytes.
 std::uint32_t pixel_of(const std::array<double, 4>& color);
 
-// Builds a kernel that a later call may need.
+// Begins to build a kernel that a later call may need.
 void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device);
 
 // One launch of a kernel that writes into `answer`; `inputs` are the arguments that make the rays, `more` those after the results.

@@ -1,4 +1,5 @@
 // trace_rays: any batch of rays, and a second pass in double for what single precision leaves open.
+#include "render/decide.h"
 #include "render/ray_terms.h"
 
 namespace irt::render {
@@ -32,15 +33,22 @@ Answer pass(const program::Program& program, const Rays& rays, const std::vector
 
 }  // namespace
 
-Answer trace_rays(const program::Program& program, const Rays& rays, const Bounds& bounds, const Options& options,
+Answer trace_rays(const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options,
                   device::Device& device) {
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   if (rays.count == 0) return make_answer(0, 1, packet_width(device, first), first, options);
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
-  if (second && program.inputs()) prepare(program, spec_of(program, bounds, options, device, Precision::Double), device);
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
   if (!second || answer.outcome != device::Outcome::done) return answer;
-  const auto open = undecided(answer, options);
+  // As in camera_passes.
+  if (program.inputs()) prepare(program, spec_of(program, bounds, options, device, Precision::Double), device);
+  std::vector<std::size_t> open = undecided(answer, options);
+  if (open.size() <= kFewRays && options.refers()) {
+    numerics::Query query = query_of(formulas, bounds, options);
+    query.quick = true;
+    open = decide_rays(answer, open, rays, formulas, query, options);
+    if (answer.outcome != device::Outcome::done) return answer;
+  }
   if (!open.empty()) scatter(answer, pass(program, rays, &open, bounds, options, device, Precision::Double), open);
   return answer;
 }

@@ -7,6 +7,7 @@ was learned is remembered per user, driver and CPU.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import functools
 import importlib.metadata
@@ -399,6 +400,7 @@ def _open(wanted: str) -> _core.Device:
         if key not in _opened:
             _prepare_cache(best)
             _opened[key] = _core.load_device(best.path, best.driver, key[1])
+            atexit.register(_opened[key].finish)  # no driver survives being left while it compiles
         _choices[wanted] = _opened[key]
         return _opened[key]
 

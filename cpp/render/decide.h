@@ -1,0 +1,48 @@
+// Rays that a kernel left open, decided by the reference on the host and shaded there: a few rays are not worth a kernel.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "numerics/reference.h"
+#include "render/launch.h"
+
+namespace irt::render {
+
+// Up to so many open rays go to the reference: some milliseconds, where a kernel in double takes longer to compile than
+// the picture to draw.
+inline constexpr std::size_t kFewRays = 192;
+
+// Pixels row * pitch + column of a view as rays with unit directions.
+std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size_t>& pixels, std::size_t pitch);
+
+// All of a batch.
+std::vector<numerics::Ray> rays_of(const Rays& rays);
+
+// What the reference is asked. The options must outlive it.
+numerics::Query query_of(const Formulas& formulas, const Bounds& bounds, const Options& options);
+
+// Puts what the reference finds on `rays`, which are the elements `where` of the answer, into it: status, depth, uncertainty, normal,
+// colour. t counts in lengths of the directions. Returns those that it cannot decide, which stay as they are.
+std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& where, const std::vector<numerics::Ray>& rays,
+                                const double* tmin, const double* tmax, const Formulas& formulas, const numerics::Query& query, const Options& options);
+
+// The same for the pixels of a view, all of the ray in front of the eye.
+std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& where, const std::vector<numerics::Ray>& rays,
+                                const Formulas& formulas, const numerics::Query& query, const Options& options);
+
+// The same for some of a batch of rays, which are the answer's elements.
+std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size_t>& where, const Rays& rays, const Formulas& formulas,
+                                     const numerics::Query& query, const Options& options);
+
+// Unit normals towards the viewer at the points of the rays given, from the gradient in double; nan where there is none. `front`: the
+// side of the viewer is that where f > 0.
+struct HostNormals {
+  std::vector<glm::dvec3> normals;
+  std::vector<bool> front;
+};
+HostNormals normals_at(const Formulas& formulas, const std::vector<numerics::Ray>& rays, const std::vector<double>& t);
+
+}  // namespace irt::render

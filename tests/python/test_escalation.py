@@ -1,0 +1,62 @@
+"""precision="auto": few open pixels go to the reference and are shaded on the host, many to a kernel in double."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import implicitrt as irt
+
+FEW = {"sphere": "x^2 + y^2 + z^2 - 1.0625", "waves": "sin(1.25*x) + cos(y)*z - x^2", "region": "x^2 + y^2 + z^2 - 2.0625"}
+EPS = {"sphere": 2e-5, "waves": 2e-3, "region": 1e-4}  # at which silhouettes stay open in single precision, and little else
+SIZE = (240, 180)
+
+
+def _pair(name: str, **arguments: object) -> tuple[irt.Frame, irt.Frame]:
+    bounds = [2, irt.Clip("x + y/3 - 1")] if name == "region" else 2
+    return tuple(irt.render(FEW[name], bounds=bounds, size=SIZE, precision=p, **arguments) for p in ("auto", "single"))  # type: ignore[arg-type,return-value]
+
+
+@pytest.mark.parametrize("method", ["contract", "raa", "ia"])
+@pytest.mark.parametrize("name", FEW)
+def test_few_open_pixels_need_no_second_kernel(name: str, method: str) -> None:
+    auto, single = _pair(name, method=method, eps=EPS[name])
+    assert 0 < auto.stats.escalated <= 192
+    assert auto.stats.builds <= 1
+    changed = np.asarray(auto.depth != single.depth)
+    assert changed.sum() <= auto.stats.escalated
+    bounds = [2, irt.Clip("x + y/3 - 1")] if name == "region" else 2
+    reference = irt.reference(FEW[name], bounds, auto.camera, SIZE)
+    assert (auto.status == reference.kind)[changed].all()
+    hit = changed & (auto.status == irt.Status.HIT)
+    assert (np.abs(auto.depth[hit] - reference.depth[hit]) <= 1e-11).all()
+
+
+@pytest.mark.parametrize("light", [(0.3, 0.9, 0.4), None])
+def test_the_host_shades_like_the_kernel(light: tuple[float, float, float] | None) -> None:
+    """A double frame shades every pixel in the kernel: those decided on the host look the same."""
+    for back in ("x^2 + y^2 + z^2 - 1.0625", "1.0625 - x^2 - y^2 - z^2"):
+        auto, double = (irt.render(back, size=SIZE, precision=p, light=light) for p in ("auto", "double"))
+        where = (auto.status == double.status) & auto.hit
+        assert np.abs(auto.rgb.astype(int) - double.rgb)[where].max() <= 1
+        assert np.nanmax(np.abs(auto.normal[where] - double.normal[where])) < 1e-3
+
+
+def test_rays_are_decided_likewise() -> None:
+    origins = np.array([[0.9999999 + 2e-8 * k, 0, -3] for k in range(12)])
+    hits = irt.trace("x^2 + y^2 + z^2 - 1", origins, (0, 0, 1), bounds=2)
+    reference = irt.reference("x^2 + y^2 + z^2 - 1", origins, (0, 0, 1), bounds=2)
+    assert (hits.status == reference.kind).all()
+    assert hits.stats.escalated > 0
+
+
+def test_a_slider_builds_nothing_even_where_many_pixels_become_open() -> None:
+    """a = 0 is a double plane: every pixel is open, and the kernel in double was built behind the first frame."""
+    frames = [irt.render("(x + y + z/7)^2 - a*0.0703125", size=(160, 120), params={"a": a}) for a in (1, 0, 0.5)]
+    assert [f.stats.builds for f in frames] == [frames[0].stats.builds, 0, 0]
+    assert frames[0].stats.escalated <= 192 < frames[1].stats.escalated
+
+
+def test_a_budget_of_pieces_is_kept() -> None:
+    hits = irt.trace("x^2 + y^2 + z^2 - 1", (0.3, 0.2, -3), (0, 0, 1), bounds=2, max_pieces=1)
+    assert hits.status[0] == irt.Status.UNRESOLVED
