@@ -18,17 +18,23 @@ FORMULAS = (
     "x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + {}",
     "4*(6.854*x^2 - y^2)*(6.854*y^2 - z^2)*(6.854*z^2 - x^2) - {}*(x^2 + y^2 + z^2 - 1)^2",
     "sin({}*x) + cos(y)*z - x^2",
+    "sin(a*x) + cos(y)*z - {}*x^2",
 )
 
 
 def main() -> None:
-    """Prints the table: medians of five formulas that differ in a number, 640 x 480, precision "single" and "auto"."""
+    """Prints the table: medians of five formulas that differ in a number, 640 x 480, precision "single" and "auto"; a is a parameter."""
     irt.render("x", size=(8, 8))
     lines = []
     for text in FORMULAS:
         for precision in ("single", "auto"):
             seconds = [
-                irt.render(text.format(random.uniform(0.2, 0.9)), size=(640, 480), precision=precision).stats.seconds
+                irt.render(
+                    text.format(random.uniform(0.2, 0.9)),
+                    size=(640, 480),
+                    precision=precision,
+                    params={"a": 0.7} if "a*" in text else {},
+                ).stats.seconds
                 for _ in range(5)
             ]
             parts = ("parse", "build", "launch", "kernel", "total")

@@ -95,21 +95,24 @@ Answer camera_passes(const program::Program& program, const Formulas& formulas, 
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
   Answer answer = pass(program, view, bounds, options, device, first, pixels, pitch);
   if (!second || answer.outcome != device::Outcome::done) return answer;
-  // With parameters this kernel may be needed at any move of a slider, which should compile nothing.
-  if (program.inputs()) prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
   const auto named = [&](std::vector<std::size_t> which) {
     if (pixels)
       for (std::size_t& i : which) i = (*pixels)[i];
     return which;
   };
   std::vector<std::size_t> open = undecided(answer, options);
-  if (open.size() <= kFewRays && options.refers()) {
+  if (!open.empty() && open.size() <= kFewRays && options.refers()) {
     numerics::Query query = query_of(formulas, bounds, options);
     query.quick = true;
     open = decide(answer, open, rays_of(view, named(open), pixels ? pitch : answer.pitch), formulas, query, options);
     if (answer.outcome != device::Outcome::done) return answer;
   }
-  if (open.empty()) return answer;
+  if (open.empty()) {
+    // A formula that is drawn again with parameters has a slider, which should compile nothing wherever it is moved.
+    if (program.inputs() && answer.builds == 0)
+      prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
+    return answer;
+  }
   const auto which = named(open);
   scatter(answer, pass(program, view, bounds, options, device, Precision::Double, &which, pixels ? pitch : answer.pitch), open);
   return answer;

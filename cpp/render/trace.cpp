@@ -40,15 +40,15 @@ Answer trace_rays(const program::Program& program, const Formulas& formulas, con
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
   if (!second || answer.outcome != device::Outcome::done) return answer;
-  // As in camera_passes.
-  if (program.inputs()) prepare(program, spec_of(program, bounds, options, device, Precision::Double), device);
   std::vector<std::size_t> open = undecided(answer, options);
-  if (open.size() <= kFewRays && options.refers()) {
+  if (!open.empty() && open.size() <= kFewRays && options.refers()) {
     numerics::Query query = query_of(formulas, bounds, options);
     query.quick = true;
     open = decide_rays(answer, open, rays, formulas, query, options);
     if (answer.outcome != device::Outcome::done) return answer;
   }
+  if (open.empty() && program.inputs() && answer.builds == 0)  // as in camera_passes
+    prepare(program, spec_of(program, bounds, options, device, Precision::Double), device);
   if (!open.empty()) scatter(answer, pass(program, rays, &open, bounds, options, device, Precision::Double), open);
   return answer;
 }

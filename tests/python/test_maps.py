@@ -68,6 +68,16 @@ def test_formulas_that_cancel_are_decided(name: str, method: str, data: Path) ->
     assert frame.stats.counts["UNRESOLVED"] == 0
 
 
+@pytest.mark.parametrize("name", sorted({n for n, _ in EXCEPTIONS}))
+def test_what_single_precision_leaves_open_auto_decides(name: str, data: Path) -> None:
+    reference = np.load(data / "reference_depth_32.npz")[name]
+    frame = irt.render(irt.surfaces[name], size=(32, 32), eps=EPS, outputs=())
+    away = ~_silhouette(np.isinf(reference))
+    assert (frame.status[away] == np.where(np.isinf(reference), Status.MISS, Status.HIT)[away]).all()
+    hit = np.isfinite(reference) & away
+    assert (np.abs(frame.depth[hit] - reference[hit]) <= EPS).all()
+
+
 @pytest.mark.parametrize("name", list(irt.surfaces))
 def test_probes(name: str, data: Path) -> None:
     probes = json.loads((data / "probes.json").read_text())[name]
