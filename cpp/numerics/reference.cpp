@@ -23,8 +23,10 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 // Pieces that one ray may take in an arithmetic before it is undecided. Named surfaces take some hundreds.
 constexpr int kPiecesInDouble = 30'000, kPiecesInMpfr = 3'000;
 constexpr mpfr_prec_t kPrecisions[] = {160, 640};
-// And with Query::quick, in double only; and the largest degree of a polynomial.
-constexpr int kQuickPieces = 1000, kQuickDegree = 64;
+// With Query::quick so few pieces are looked at, and polynomials have so few coefficients to make, that a ray
+// takes a few milliseconds at most. Counted in operations, not in time: answers do not depend on how busy the machine is.
+constexpr std::size_t kQuickWork = 400'000;
+constexpr int kQuickPiecesInMpfr = 20;
 
 std::optional<Clip> clip_of(const Ray& ray, double tmin, double tmax, const Query& query) {
   // Intervals around where the ray enters and leaves.
@@ -177,11 +179,11 @@ class Subdivision {
   Root first_root(const Ray& ray, const Clip& clip) {
     ray_ = ray;
     std::vector<Piece> stack{{clip.enter_lo, clip.leave_hi}};
-    Root root = March(clip, Arithmetic::dbl).run(stack, *in_double_, quick_ ? kQuickPieces : kPiecesInDouble);
-    if (quick_) return root;
-    for (std::size_t k = 0; k < std::size(kPrecisions) && root.kind == Kind::undecided; ++k) {
+    Root root = March(clip, Arithmetic::dbl).run(stack, *in_double_, quick_ ? static_cast<int>(std::min<std::size_t>(1000, kQuickWork / formula_.steps().size())) : kPiecesInDouble);
+    const std::size_t arithmetics = quick_ ? 1 : std::size(kPrecisions);
+    for (std::size_t k = 0; k < arithmetics && root.kind == Kind::undecided; ++k) {
       if (!in_mpfr_[k]) in_mpfr_[k] = along_in_mpfr(formula_, ray_, kPrecisions[k]);
-      root = March(clip, Arithmetic::mpfr).run(stack, *in_mpfr_[k], kPiecesInMpfr);
+      root = March(clip, Arithmetic::mpfr).run(stack, *in_mpfr_[k], quick_ ? kQuickPiecesInMpfr : kPiecesInMpfr);
     }
     return root;
   }
@@ -244,7 +246,8 @@ class Region {
 std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query) {
   const Formula formula(f, query.parameters);
   const std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
-  if (query.quick && plan && plan->degree() > kQuickDegree) return std::vector<Root>(rays.size());
+  if (query.quick && plan && formula.steps().size() * static_cast<std::size_t>(plan->degree()) * static_cast<std::size_t>(plan->degree()) > kQuickWork)
+    return std::vector<Root>(rays.size());
   std::optional<Formula> g;
   if (query.clip) g.emplace(*query.clip, query.parameters);
   std::vector<Root> roots(rays.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "error.h"
 #include "expr/calculus.h"
 #include "expr/tape.h"
 
@@ -93,7 +94,12 @@ HostNormals normals_at(const Formulas& formulas, const std::vector<numerics::Ray
 std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& where, const std::vector<numerics::Ray>& rays,
                                 const double* tmin, const double* tmax, const Formulas& formulas, const numerics::Query& query, const Options& options) {
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<numerics::Root> roots = numerics::reference(formulas.f, rays, tmin, tmax, query);
+  std::vector<numerics::Root> roots;
+  try {
+    roots = numerics::reference(formulas.f, rays, tmin, tmax, query);
+  } catch (const LimitError&) {  // its derivative is too long: kernels need none
+    return where;
+  }
   std::vector<std::size_t> open, decided;
   std::vector<numerics::Ray> along;
   std::vector<double> t, half;

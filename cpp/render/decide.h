@@ -14,6 +14,13 @@ namespace irt::render {
 // Up to so many open rays go to the reference: some milliseconds, where a kernel in double takes longer to compile than
 // the picture to draw.
 inline constexpr std::size_t kFewRays = 192;
+// Of formulas of up to so many operations: the reference differentiates them in every frame.
+inline constexpr std::size_t kShortProgram = 500;
+
+// Whether the rays `open` are few enough.
+inline bool refers(const std::vector<std::size_t>& open, const program::Program& program, const Options& options) {
+  return !open.empty() && open.size() <= kFewRays && program.code.size() <= kShortProgram && options.refers();
+}
 
 // Pixels row * pitch + column of a view as rays with unit directions.
 std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size_t>& pixels, std::size_t pitch);

@@ -101,7 +101,7 @@ Answer camera_passes(const program::Program& program, const Formulas& formulas, 
     return which;
   };
   std::vector<std::size_t> open = undecided(answer, options);
-  if (!open.empty() && open.size() <= kFewRays && options.refers()) {
+  if (refers(open, program, options)) {
     numerics::Query query = query_of(formulas, bounds, options);
     query.quick = true;
     open = decide(answer, open, rays_of(view, named(open), pixels ? pitch : answer.pitch), formulas, query, options);

@@ -41,7 +41,7 @@ Answer trace_rays(const program::Program& program, const Formulas& formulas, con
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
   if (!second || answer.outcome != device::Outcome::done) return answer;
   std::vector<std::size_t> open = undecided(answer, options);
-  if (!open.empty() && open.size() <= kFewRays && options.refers()) {
+  if (refers(open, program, options)) {
     numerics::Query query = query_of(formulas, bounds, options);
     query.quick = true;
     open = decide_rays(answer, open, rays, formulas, query, options);

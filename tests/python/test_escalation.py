@@ -7,8 +7,16 @@ import pytest
 
 import implicitrt as irt
 
-FEW = {"sphere": "x^2 + y^2 + z^2 - 1.0625", "waves": "sin(1.25*x) + cos(y)*z - x^2", "region": "x^2 + y^2 + z^2 - 2.0625"}
-EPS = {"sphere": 2e-5, "waves": 2e-3, "region": 1e-4}  # at which silhouettes stay open in single precision, and little else
+FEW = {
+    "sphere": "x^2 + y^2 + z^2 - 1.0625",
+    "waves": "sin(1.25*x) + cos(y)*z - x^2",
+    "region": "x^2 + y^2 + z^2 - 2.0625",
+}
+EPS = {
+    "sphere": 2e-5,
+    "waves": 2e-3,
+    "region": 1e-4,
+}  # at which silhouettes stay open in single precision, and little else
 SIZE = (240, 180)
 
 
