@@ -3,25 +3,44 @@
 // A tile's cells come front to back; what lies between them is proven free of zeros (cpp/numerics/frustum_form.h). The method's own
 // file finds the first root within a cell. Coefficients of a cell are scaled to lie within [-2, 2], with one bound of their error.
 //
-// tiles: where each tile's cells begin. slabs: for each cell s at its near end, its length, its error. form: [depth][down][across],
-// lines across padded to packets. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
-#define LINE ((N + W - 1) / W * W)
+// tiles: where each tile's cells begin. slabs: for each cell s at its near end, its length, its error. form: [down][depth][across], and a
+// packet more behind the last. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
+#define PLANE ((N * N + W - 1) / W * W)
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance
 #define ACROSS(i) (basis + 16 + (i) * IRT_TILE)
 #define SLOPE(i) (basis + 16 + (N + (i)) * IRT_TILE)
 
-// Coefficients along the rays of a packet: lines across are contracted with the row, once for all lanes, then with the columns.
-static inline void contract_form(__global const real* form, __global const real* basis, int column, int row, __global const real* across,
-                                 __global const real* down, F* c) {
-  for (int k = 0; k < N; ++k) {
-    real line[LINE];
-    for (int b = 0; b < LINE; b += W) {
-      F sum = (F)0;
-      for (int j = 0; j < N; ++j) sum = fma(LOAD(form + (k * N + j) * LINE + b), (F)down[j * IRT_TILE + row], sum);
-      STORE(sum, line + b);
-    }
+// A form contracted with a row, once for all lanes: [depth][across].
+static inline void contract_row(__global const real* form, int row, __global const real* down, real* plane) {
+  for (int b = 0; b < PLANE; b += W) {
     F sum = (F)0;
-    for (int i = 0; i < N; ++i) sum = fma((F)line[i], LOAD(across + i * IRT_TILE + column), sum);
+    for (int j = 0; j < N; ++j) sum = fma(LOAD(form + j * N * N + b), (F)down[j * IRT_TILE + row], sum);
+    STORE(sum, plane + b);
+  }
+}
+
+// Whether the form has one sign on the whole row.
+static inline bool row_free(const real* plane, real error) {
+#if N * N < W
+  return false;
+#else
+  F low = LOAD(plane + N * N - W), high = low;
+  for (int b = 0; b + W <= N * N; b += W) {
+    const F v = LOAD(plane + b);
+    low = min(low, v);
+    high = max(high, v);
+  }
+  return !ANY(LE(low, (F)error)) || !ANY(GE(high, (F)-error));
+#endif
+}
+
+// And with the columns: coefficients along the rays of a packet.
+static inline void contract_columns(const real* plane, int column, __global const real* across, F* c) {
+  F weights[N];
+  for (int i = 0; i < N; ++i) weights[i] = LOAD(across + i * IRT_TILE + column);
+  for (int k = 0; k < N; ++k) {
+    F sum = (F)0;
+    for (int i = 0; i < N; ++i) sum = fma((F)plane[k * N + i], weights[i], sum);
     c[k] = sum;
   }
 }
@@ -51,8 +70,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     cell.hi = clamp((range->out1 - near) * inverse + slack, (F)0, (F)1);
     const I lanes = active & LT(cell.lo, cell.hi);
     if (!ANY(lanes)) continue;
-    __global const real* here = form + (size_t)k * (N * N * LINE);
-    contract_form(here, basis, column, row, ACROSS(0), ACROSS(0), cell.c);
+    __global const real* here = form + (size_t)k * (N * N * N);
+    real plane[PLANE];
+    contract_row(here, row, ACROSS(0), plane);
+    if (row_free(plane, IRT_OUTWARD ? slabs[4 * k + 2] : R(0.0))) continue;
+    contract_columns(plane, column, ACROSS(0), cell.c);
 #if IRT_OUTWARD
     cell.error = (F)slabs[4 * k + 2];
 #else
@@ -78,9 +100,10 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_GRADIENT_FOUND
     if (ANY(found.hits)) {
       F slopes[N];
-      contract_form(here, basis, column, row, SLOPE(0), ACROSS(0), slopes);
+      contract_columns(plane, column, SLOPE(0), slopes);
       const F along_x = value_at(slopes, IRT_DEGREE, middle);
-      contract_form(here, basis, column, row, ACROSS(0), SLOPE(0), slopes);
+      contract_row(here, row, SLOPE(0), plane);
+      contract_columns(plane, column, ACROSS(0), slopes);
       const F along_y = value_at(slopes, IRT_DEGREE, middle);
       for (int i = 0; i < IRT_DEGREE; ++i) slopes[i] = IRT_DEGREE * (cell.c[i + 1] - cell.c[i]);
       const F along_s = value_at(slopes, IRT_DEGREE - 1, middle) * inverse;

@@ -1,6 +1,7 @@
 // What the root finders of S2 share: a polynomial along each ray of a packet, in Bernstein form over a part of the ray, with one bound of the
 // error of its coefficients. A sign counts only beyond it.
 #define N (IRT_DEGREE + 1)
+#define BINOMIAL(degree, i) ((degree) == IRT_DEGREE ? binomials[i] : binomials[i] * (real)((degree) + 1 - (i)) / (real)((degree) + 1))  // and one less
 
 // Pieces that each lane has looked at, where the call asks for them.
 #if IRT_PIECES
@@ -42,11 +43,9 @@ static inline F mixed(F a, F b, F share) { return fma(share, b - a, a); }
 static inline F value_at(const F* c, int degree, F u) {
   const F v = R(1.0) - u;
   F sum = c[0], power = (F)1;
-  real binomial = R(1.0);
   for (int i = 1; i <= degree; ++i) {
-    binomial = binomial * (real)(degree - i + 1) / (real)i;
     power *= u;
-    sum = fma(sum, v, binomial * power * c[i]);
+    sum = fma(sum, v, BINOMIAL(degree, i) * power * c[i]);
   }
   return sum;
 }
@@ -86,6 +85,21 @@ static inline F largest_of(const F* c) {
   F size = fabs(c[0]);
   for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
   return size;
+}
+
+// The first zero of the control polygon, as a share of the piece; 1 where there is none.
+static inline F polygon_zero(const F* c, F sign) {
+  F at = (F)IRT_DEGREE, before = (F)0, after = (F)1;
+  I seen = NONE;
+  for (int k = 1; k < N; ++k) {
+    const I crosses = ~seen & LE(sign * c[k], (F)0);
+    at = SELECT(crosses, (F)(k - 1), at);
+    before = SELECT(crosses, fabs(c[k - 1]), before);
+    after = SELECT(crosses, fabs(c[k]), after);
+    seen |= crosses;
+  }
+  const F zero = (at + before / max(before + after, (F)TINY)) * (R(1.0) / IRT_DEGREE);
+  return zero;
 }
 
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found);

@@ -7,18 +7,6 @@
 #define MOST_CUTS 48
 #define MOST_WIDENINGS ((I)4)  // each by four
 
-// The first zero of the control polygon, as a share of the piece; 1 where there is none.
-static inline F polygon_zero(const F* c, F sign) {
-  F zero = (F)1;
-  I seen = NONE;
-  for (int k = 1; k < N; ++k) {
-    const I crosses = ~seen & LE(sign * c[k], (F)0);
-    const F p = fabs(c[k - 1]), d = p + fabs(c[k]);
-    zero = SELECT(crosses, ((real)(k - 1) + p / max(d, (F)TINY)) * (R(1.0) / IRT_DEGREE), zero);
-    seen |= crosses;
-  }
-  return zero;
-}
 // Where to cut a piece, as a share of it; `sign` is that of the polynomial at its start.
 static inline F cut_of(const F* c, F sign, F last, F before, F a, F b);
 

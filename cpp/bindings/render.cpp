@@ -70,6 +70,7 @@ render::Options options_of(const py::dict& request, const program::Program& prog
   render::Options o;
   o.affine = get<std::string>(request, "algebra") == "raa";
   if (request.contains("finder")) o.finder = get<std::string>(request, "finder");
+  if (request.contains("or_march")) o.or_march = get<bool>(request, "or_march");
   if (request.contains("reads")) o.reads = get<std::string>(request, "reads");
   o.outward = get<std::string>(request, "rounding") == "outward";
   const auto precision = get<std::string>(request, "precision");
@@ -146,6 +147,7 @@ py::dict answer_dict(const render::Answer& a) {
   if (a.pieces) d["pieces"] = plane<std::uint32_t>(a, *a.pieces);
   d["width"] = a.width;
   d["engine"] = "kernel";
+  d["marched"] = a.marched;
   d["builds"] = a.builds;
   d["escalated"] = a.escalated;
   d["counts"] = a.counts;

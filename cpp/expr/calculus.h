@@ -24,6 +24,9 @@ Expr differentiate(const Expr& e, const std::string& symbol);
 // Products of sums and whole powers of sums multiplied out. Throws LimitError past limits::kExpandTerms.
 Expr expand(const Expr& e);
 
+// The same function, sums of monomials in x, y, z nested as in Horner's rule: fewer products, and no less exact.
+Expr nested(const Expr& e);
+
 // Smaller where that is sound: never changes the function or where it is defined, keeps factored form and even powers.
 Expr simplify(const Expr& e);
 

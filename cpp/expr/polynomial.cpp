@@ -105,6 +105,78 @@ Expr expand(const Expr& e) {
   return memo.at(e.key());
 }
 
+namespace {
+
+// Exponents of x, y, z in a product that has nothing else but factors free of them, and those factors.
+std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const std::unordered_map<const Node*, bool>& free) {
+  std::array<int, 3> exponents{};
+  std::vector<Expr> rest;
+  for (const Expr& f : e.op() == Op::Mul ? e.args() : std::span(&e, 1)) {
+    const Expr& base = f.op() == Op::Pow ? f.arg(0) : f;
+    const auto n = f.op() == Op::Pow ? natural(f.arg(1)) : std::optional<long>(1);
+    if (free.at(f.key())) {
+      rest.push_back(f);
+    } else if (const int axis = axis_of(base); axis >= 0 && n && *n <= limits::kDegree) {
+      exponents[axis] += static_cast<int>(*n);
+    } else {
+      return std::nullopt;
+    }
+  }
+  return std::pair(exponents, mul(rest));
+}
+
+using Monomials = std::vector<std::pair<std::array<int, 3>, Expr>>;
+
+// Their sum, nested by powers of the axis and of those after it.
+Expr nest(const Monomials& terms, int axis) {
+  static const char* const kNames[] = {"x", "y", "z"};
+  if (axis == 3) {
+    std::vector<Expr> all;
+    for (const auto& t : terms) all.push_back(t.second);
+    return add(all);
+  }
+  std::map<int, Monomials> by_power;
+  for (const auto& t : terms) by_power[t.first[axis]].push_back(t);
+  const Expr at = symbol(kNames[axis]);
+  std::optional<Expr> sum;
+  int power = 0;
+  for (auto it = by_power.rbegin(); it != by_power.rend(); ++it) {
+    const Expr inner = nest(it->second, axis + 1);
+    sum = sum ? add(mul(pow(at, Expr(static_cast<long>(power - it->first))), *sum), inner) : inner;
+    power = it->first;
+  }
+  return mul(pow(at, Expr(static_cast<long>(power))), *sum);
+}
+
+}  // namespace
+
+Expr nested(const Expr& e) {
+  std::unordered_map<const Node*, Expr> memo;
+  std::unordered_map<const Node*, bool> free;
+  Freedom freedom;
+  for (const Expr& p : postorder(e)) {
+    free[p.key()] = freedom.visit(p);
+    std::vector<Expr> args;
+    for (const Expr& a : p.args()) args.push_back(memo.at(a.key()));
+    Expr r = p.arity() ? call(p.op(), args) : p;
+    if (p.op() == Op::Add && !free.at(p.key())) {
+      Monomials terms;
+      std::vector<Expr> others;
+      for (std::size_t i = 0; i < p.arity(); ++i) {
+        if (auto m = monomial(p.arg(i), free)) {
+          terms.push_back(std::move(*m));
+        } else {
+          others.push_back(args[i]);
+        }
+      }
+      if (!terms.empty()) others.push_back(nest(terms, 0));
+      r = add(others);
+    }
+    memo.emplace(p.key(), r);
+  }
+  return memo.at(e.key());
+}
+
 int Polynomial::degree() const {
   int d = 0;
   for (const auto& [p, c] : terms) d = std::max(d, p[0] + p[1] + p[2]);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -197,20 +198,39 @@ std::string with_shading(std::string text, const Spec& spec) {
 
 }  // namespace
 
+namespace {
+
+// How often each coefficient of Bernstein's basis counts; exact in double up to limits::kFrustumDegree.
+std::string binomials(const Spec& spec) {
+  std::string text = "__constant real binomials[] = {";
+  double value = 1;
+  for (int i = 0; i <= spec.degree; ++i) {
+    text += fmt::format("{:.1f}{}, ", value, spec.precision == Precision::Double ? "" : "f");
+    value = std::round(value * (spec.degree - i) / (i + 1));
+  }
+  return text + "};\n";
+}
+
+}  // namespace
+
 std::string assemble_frustum(const Spec& spec) {
   const bool gradient = spec.normal || spec.rgb, rays = spec.entry == Entry::RayList;
   const std::string file = spec.finder + ".cl";
   std::string text = prelude(spec) +
       fmt::format("#define IRT_DEGREE {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n", spec.degree, spec.tile, gradient ? 1 : 0) +
+      binomials(spec) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
-                          "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n") : std::string("#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, __global const real *basis, "
-      "const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows\n"
-      "#define ARGUMENTS_PASS , tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n")) +
-      "#define FINDER_PASS , column, row ARGUMENTS_PASS\n#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
+                          "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n")
+            : std::string("#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, "
+                          "__global const real *basis, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows\n"
+                          "#define ARGUMENTS_PASS , tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows\n")) +
+      // A list holds whole packets of a frame.
+      fmt::format("#define FINDER_PASS , {} ARGUMENTS_PASS\n",
+                  spec.entry == Entry::PixelList ? "list[2 * W * column] / W, list[2 * W * column + 1]" : "column, row") +
+      "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
   text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl", rays ? "frustum_rays.cl" : "frustum_cells.cl"});
-  const bool knots = spec.finder.starts_with("frustum_mr");
-  text = joined(text, {knots ? "frustum_knots.cl" : "frustum_pieces.cl", file.c_str()});
-  return with_shading(text, spec);
+  if (spec.finder != "frustum_newton") text = joined(text, {spec.finder.starts_with("frustum_mr") ? "frustum_knots.cl" : "frustum_pieces.cl"});
+  return with_shading(joined(text, {file.c_str()}), spec);
 }
 
 }  // namespace irt::kernel

@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -26,19 +27,34 @@ struct Frustum {
   double near = 0, far = 0;                                // s
   glm::dvec3 lower, upper;                                 // the box outside which nothing counts
   std::vector<glm::dvec4> balls;                           // and balls: centre, radius
+  std::vector<glm::dvec4> half_spaces;                     // and half-spaces: normal, offset
+
+  // Tiles across and down that the form is made over: powers of two, so that all cuts are halvings and exact.
+  int span_x() const { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(tile_x1 - tile_x0))); }
+  int span_y() const { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(tile_y1 - tile_y0))); }
 };
+
+// f over span_x() x span_y() tiles from (tile_x0, tile_y0) and from near to far: Bernstein coefficients [across][down][depth] as sums
+// hi + lo, a bound of the error of each, and of their sizes.
+struct Whole {
+  std::vector<double> hi, lo;
+  double error = 0, largest = 0;
+};
+
+// Throws MethodError where the coefficients leave the range of doubles.
+Whole compose(const PolynomialPlan& plan, const Frustum& frustum);
 
 // Cells in the order of their tiles, each tile's from front to back.
 struct Cells {
   struct Cell {
-    double near, far;       // s
-    double error;           // bounds the error of each coefficient; the largest coefficient lies in [1, 2)
-    std::size_t first;      // of its coefficients
+    double near, far;            // s
+    double error;                // bounds the error of each coefficient; the largest coefficient lies in [1, 2)
+    const double* coefficients;  // (degree + 1)^3, [j][k][i]: down, depth, across
   };
   int degree = 0;
   std::vector<std::int32_t> begins;  // of each tile in `cells`, row by row, and the end
   std::vector<Cell> cells;
-  std::vector<double> coefficients;  // (degree + 1)^3 a cell, [i][j][k]: across, down, depth
+  std::shared_ptr<std::vector<std::vector<double>>> storage;
 };
 
 constexpr int kMostDepthCuts = 6;  // halvings of [near, far]

@@ -82,6 +82,7 @@ struct Options {
 
   // Whether few open rays go to the reference: where statuses are proven, and no budget of pieces was set.
   bool refers() const { return outward && max_pieces == 0 && (finder == "bisection" || finder == "contract"); }
+  bool or_march = false;  // of the frustum form: where it is refused, or leaves many pixels open, contraction goes on
   // Root finders of the frustum form take coefficients instead of a program.
   bool by_frustum() const { return finder.starts_with("frustum_"); }
 };
@@ -110,6 +111,7 @@ struct Answer {
   std::size_t escalated = 0;
   std::array<std::size_t, 4> counts{};  // by status
   std::size_t wide_hits = 0;            // HITs wider than eps
+  bool marched = false;  // the frustum form was refused, and contraction ran (Options::or_march)
   std::uint64_t builds = 0;
   double prepare_seconds = 0;  // coefficients, on the host
   double build_seconds = 0, launch_seconds = 0, kernel_seconds = 0;

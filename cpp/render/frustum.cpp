@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <deque>
+#include <mutex>
 
 #include "caps.h"
 #include "error.h"
 #include "expr/build.h"
+#include "expr/calculus.h"
 #include "numerics/frustum_form.h"
 #include "render/camera_terms.h"
 #include "render/decide.h"
@@ -21,6 +24,9 @@ using program::Precision;
 
 // So few open pixels go the reference's way at once.
 constexpr std::size_t kFewPixels = 64;
+// With Options::or_march, shares of the frame beyond which open pixels are marched instead, and least numbers.
+constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 256, kReferenceLeast = 256;
+constexpr std::size_t kCellSteps = 256;
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
 struct Screen {
@@ -42,6 +48,29 @@ double coarse(double v) {
   return std::ceil(v / unit) * unit;
 }
 
+// The depths between which the box reaches into a half-space, and a little more: those of corners inside and of edges that leave it.
+std::pair<double, double> depth_within(const Bounds& bounds, const HalfSpace& h, const numerics::Frustum& f) {
+  const auto corner = [&](int k) {
+    return glm::dvec3(k & 1 ? bounds.upper.x : bounds.lower.x, k & 2 ? bounds.upper.y : bounds.lower.y, k & 4 ? bounds.upper.z : bounds.lower.z);
+  };
+  const double slack = 1e-9 * (glm::length(bounds.upper) + glm::length(bounds.lower) + glm::length(f.middle));
+  double near = HUGE_VAL, far = -HUGE_VAL;
+  const auto add = [&](const glm::dvec3& p) {
+    const double s = glm::dot(p - f.middle, f.forward);
+    near = std::min(near, s - slack);
+    far = std::max(far, s + slack);
+  };
+  for (int k = 0; k < 8; ++k) {
+    const double here = glm::dot(h.normal, corner(k)) - h.offset;
+    if (here <= 0) add(corner(k));
+    for (const int axis : {1, 2, 4}) {
+      const double there = glm::dot(h.normal, corner(k | axis)) - h.offset;
+      if (!(k & axis) && (here <= 0) != (there <= 0)) add(glm::mix(corner(k), corner(k | axis), here / (here - there)));
+    }
+  }
+  return {near, far};
+}
+
 Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   Screen screen{tile_of(view, degree), {}};
   numerics::Frustum& f = screen.frustum;
@@ -54,6 +83,7 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   f.lower = bounds.lower;
   f.upper = bounds.upper;
   for (const Ball& ball : bounds.balls) f.balls.emplace_back(ball.center, ball.radius);
+  for (const HalfSpace& h : bounds.half_spaces) f.half_spaces.emplace_back(h.normal, h.offset);
   const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<long double>(view.columns) / view.rows;
   f.left = -half * aspect * (1 - 2 * static_cast<long double>(view.right_by) / view.columns);
   f.across = 2 * half * aspect * screen.tile / view.columns;
@@ -75,6 +105,11 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
       highest[a] = std::max(highest[a], in_front ? at[a] / spread : HUGE_VAL);
     }
   }
+  for (const HalfSpace& h : bounds.half_spaces) {
+    const auto [first, last] = depth_within(bounds, h, f);
+    near = std::max(near, first);
+    far = std::min(far, last);
+  }
   near = std::max(near, -f.distance);
   const double size = glm::length(bounds.upper - bounds.lower);
   const double unit = coarse((std::max(far, near) - near + 1e-6 * size) / ((1 << numerics::kMostDepthCuts) - 2));
@@ -95,29 +130,27 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
 // largest coefficient.
 double rounding_of(int degree, Precision precision) { return (degree + 4) * (precision == Precision::Double ? 0x1p-52 : 0x1p-23); }
 
-// Cells as buffers: slabs and forms. Lines across are padded to packets.
+// Cells as buffers: slabs and forms, and a packet more, since kernels load whole ones.
 struct Forms {
   Memory tiles;
   Reals slabs, form;
 };
 
 Forms forms_of(const numerics::Cells& cells, const kernel::Spec& spec) {
-  const std::size_t n = static_cast<std::size_t>(cells.degree) + 1, line = (n + spec.width - 1) / spec.width * spec.width;
-  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * cells.cells.size()),
-            Reals(spec.precision, n * n * line * cells.cells.size())};
+  const std::size_t n = static_cast<std::size_t>(cells.degree) + 1, size = n * n * n, count = cells.cells.size();
+  // Room for whole steps of cells, so that the next frame can often have the same block.
+  const std::size_t room = (count + kCellSteps - 1) / kCellSteps * kCellSteps;
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * room), Reals(spec.precision, size * room + spec.width)};
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
   const double rounding = 2 * rounding_of(cells.degree, spec.precision);
-  std::size_t at = 0;
-  for (std::size_t m = 0; m < cells.cells.size(); ++m) {
+  for (std::size_t m = 0; m < count; ++m) {
     const auto& cell = cells.cells[m];
     out.slabs.set(4 * m, cell.near);
     out.slabs.set(4 * m + 1, cell.far - cell.near);
     out.slabs.set_above(4 * m + 2, cell.error + rounding);
-    const double* c = &cells.coefficients[cell.first];
-    for (std::size_t k = 0; k < n; ++k)
-      for (std::size_t j = 0; j < n; ++j, at += line)
-        for (std::size_t i = 0; i < line; ++i) out.form.set(at + i, i < n ? c[(i * n + j) * n + k] : 0);
+    out.form.copy(m * size, cell.coefficients, size);
   }
+  for (int k = 0; k < spec.width; ++k) out.form.set(count * size + k, 0);
   return out;
 }
 
@@ -182,26 +215,63 @@ numerics::PolynomialPlan plan_of(const numerics::Formula& formula) {
   return std::move(*plan);
 }
 
-// One frame by the kernel of `precision`.
+// A formula that forms are made of, nested, and its plan.
+struct Planned {
+  Planned(const Expr& f, const std::map<std::string, double>& parameters) : formula(nested(f), parameters), plan(plan_of(formula)) {}
+  numerics::Formula formula;
+  numerics::PolynomialPlan plan;
+};
+
+// Those of the latest calls: cameras move more often than formulas change.
+std::shared_ptr<const Planned> planned_of(const Expr& f, const std::map<std::string, double>& parameters) {
+  struct Entry {
+    Expr f;
+    std::map<std::string, double> parameters;
+    std::shared_ptr<const Planned> planned;
+  };
+  constexpr std::size_t kEntries = 8;
+  static std::mutex mutex;
+  static std::deque<Entry>* const recent = new std::deque<Entry>;
+  {
+    const std::lock_guard lock(mutex);
+    for (const Entry& e : *recent)
+      if (e.f == f && e.parameters == parameters) return e.planned;
+  }
+  auto planned = std::make_shared<const Planned>(f, parameters);
+  const std::lock_guard lock(mutex);
+  recent->push_front({f, parameters, planned});
+  if (recent->size() > kEntries) recent->pop_back();
+  return planned;
+}
+
+// By the kernel of `precision`: one frame, or those packets of it that hold a pixel of `open` (row * pitch + column), one after another.
 Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
-            device::Device& device, Precision precision) {
+            device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0) {
   const auto start = std::chrono::steady_clock::now();
   kernel::Spec spec = spec_of(options, device, precision, cells.degree, screen.tile);
-  spec.entry = kernel::Entry::Camera;
+  spec.entry = packets ? kernel::Entry::PixelList : kernel::Entry::Camera;
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
-  Answer answer = make_answer(view.columns, view.rows, spec.width, precision, options);
+  Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
+                          : make_answer(view.columns, view.rows, spec.width, precision, options);
   const Forms forms = forms_of(cells, spec);
   const Reals basis = basis_of(screen, cells.degree, precision);
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
              tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
              form = forms.form.buffer(device), values = basis.buffer(device);
+  std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)};
+  std::optional<Memory> list;
+  std::unique_ptr<device::Buffer> pixels;
+  if (packets) {
+    list = pixel_list(*packets, answer.pitch, pitch);
+    pixels = device.buffer(list->data(), list->bytes(), device::Access::read);
+    inputs.emplace_back(pixels.get());
+  }
   const numerics::Frustum& f = screen.frustum;
-  launch(kernel::assemble_frustum(spec), spec,
-         {columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)}, settings,
+  launch(kernel::assemble_frustum(spec), spec, std::move(inputs), settings,
          {tiles.get(), slabs.get(), form.get(), values.get(), f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0}, options, device, answer);
   return answer;
 }
@@ -213,11 +283,11 @@ numerics::Cells only(const numerics::Cells& cells, const Screen& screen, const s
   std::vector<bool> wanted(cells.begins.size(), false);
   for (const std::size_t i : open) {
     const int x = static_cast<int>(i % pitch) / screen.tile - f.tile_x0, y = static_cast<int>(i / pitch) / screen.tile - f.tile_y0;
-    wanted[static_cast<std::size_t>(y) * columns + x] = true;
+    if (x >= 0 && y >= 0 && x < columns && y < f.tile_y1 - f.tile_y0) wanted[static_cast<std::size_t>(y) * columns + x] = true;
   }
   numerics::Cells out;
   out.degree = cells.degree;
-  out.coefficients = cells.coefficients;
+  out.storage = cells.storage;
   for (std::size_t tile = 0; tile + 1 < cells.begins.size(); ++tile) {
     out.begins.push_back(static_cast<std::int32_t>(out.cells.size()));
     if (wanted[tile]) out.cells.insert(out.cells.end(), cells.cells.begin() + cells.begins[tile], cells.cells.begin() + cells.begins[tile + 1]);
@@ -226,24 +296,33 @@ numerics::Cells only(const numerics::Cells& cells, const Screen& screen, const s
   return out;
 }
 
-// The pixels `which` of a frame, as a list.
-Answer picked(const Answer& frame, const std::vector<std::size_t>& which, const Options& options) {
-  Answer part = make_answer(which.size(), 1, 1, Precision::Double, options);
-  const std::size_t n = frame.pitch * frame.rows, m = part.pitch * part.rows;
-  for (std::size_t k = 0; k < which.size(); ++k) {
-    const std::size_t i = which[k];
-    part.depth->as<double>()[k] = frame.depth->as<double>()[i];
-    part.uncertainty->as<double>()[k] = frame.uncertainty->as<double>()[i];
-    part.status->as<unsigned char>()[k] = frame.status->as<unsigned char>()[i];
-    for (std::size_t axis = 0; part.normal && axis < 3; ++axis) part.normal->as<float>()[axis * m + k] = frame.normal->as<float>()[axis * n + i];
-    if (part.rgba) part.rgba->as<std::uint32_t>()[k] = frame.rgba->as<std::uint32_t>()[i];
-    if (part.pieces) part.pieces->as<std::uint32_t>()[k] = frame.pieces->as<std::uint32_t>()[i];
+// All pixels of the packets of `width` that hold one of `open`, which is sorted.
+std::vector<std::size_t> whole_packets(const std::vector<std::size_t>& open, std::size_t width) {
+  std::vector<std::size_t> out;
+  for (const std::size_t i : open)
+    if (const std::size_t first = i / width * width; out.empty() || out.back() < first)
+      for (std::size_t k = 0; k < width; ++k) out.push_back(first + k);
+  return out;
+}
+
+// The pixels that lie at `there` in what a pass made, as a list.
+Answer picked(const Answer& pass, const std::vector<std::size_t>& there, const Options& options) {
+  Answer part = make_answer(there.size(), 1, 1, Precision::Double, options);
+  const std::size_t n = pass.pitch * pass.rows, m = part.pitch * part.rows;
+  for (std::size_t k = 0; k < there.size(); ++k) {
+    const std::size_t i = there[k];
+    part.depth->as<double>()[k] = pass.depth->as<double>()[i];
+    part.uncertainty->as<double>()[k] = pass.uncertainty->as<double>()[i];
+    part.status->as<unsigned char>()[k] = pass.status->as<unsigned char>()[i];
+    for (std::size_t axis = 0; part.normal && axis < 3; ++axis) part.normal->as<float>()[axis * m + k] = pass.normal->as<float>()[axis * n + i];
+    if (part.rgba) part.rgba->as<std::uint32_t>()[k] = pass.rgba->as<std::uint32_t>()[i];
+    if (part.pieces) part.pieces->as<std::uint32_t>()[k] = pass.pieces->as<std::uint32_t>()[i];
   }
-  part.builds = frame.builds;
-  part.build_seconds = frame.build_seconds;
-  part.launch_seconds = frame.launch_seconds;
-  part.kernel_seconds = frame.kernel_seconds;
-  part.outcome = frame.outcome;
+  part.builds = pass.builds;
+  part.build_seconds = pass.build_seconds;
+  part.launch_seconds = pass.launch_seconds;
+  part.kernel_seconds = pass.kernel_seconds;
+  part.outcome = pass.outcome;
   return part;
 }
 
@@ -259,22 +338,50 @@ void add_normals(const Formulas& formulas, const std::vector<numerics::Ray>& ray
   }
 }
 
-Answer frustum_passes(const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+// Contraction instead.
+Options marching(Options options) {
+  options.finder = "contract";
+  options.affine = true;
+  return options;
+}
+
+Answer frustum_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
+                      device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
-  const numerics::Formula formula(formulas.f, formulas.parameters);
-  const numerics::PolynomialPlan plan = plan_of(formula);
+  // Zeros that a clip formula passes over are judged later, by apply_clip.
+  const Formulas unclipped{formulas.f, {}, formulas.parameters};
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
-  const Screen screen = screen_of(view, bounds, plan.degree());
-  const numerics::Cells cells = numerics::cells_of(plan, screen.frustum, {rounding_of(plan.degree(), first), options.eps});
+  std::optional<Screen> screen;
+  numerics::Cells cells;
+  try {
+    const auto planned = planned_of(formulas.f, formulas.parameters);
+    const int degree = planned->plan.degree();
+    screen = screen_of(view, bounds, degree);
+    cells = numerics::cells_of(planned->plan, screen->frustum, {rounding_of(degree, first), options.eps});
+  } catch (const MethodError&) {
+    if (!options.or_march) throw;
+    Answer answer = camera_passes(program, unclipped, view, bounds, marching(options), device);
+    answer.marched = true;
+    return answer;
+  }
   const double prepared = seconds_since(start);
-  Answer answer = pass(cells, screen, view, bounds, options, device, first);
+  Answer answer = pass(cells, *screen, view, bounds, options, device, first);
   answer.prepare_seconds += prepared;
   if (options.precision == PrecisionMode::Single || !device.info().fp64 || !options.outward || answer.outcome != device::Outcome::done) return answer;
   std::vector<std::size_t> open = undecided(answer, options);
+  const std::size_t pixels = answer.columns * answer.rows;
+  const auto marches = [&](std::size_t share, std::size_t least) {
+    if (!options.or_march || open.size() <= std::max(pixels / share, least)) return false;
+    scatter(answer, camera_passes(program, unclipped, view, bounds, marching(options), device, &open, answer.pitch), open);
+    return true;
+  };
+  if (marches(kDoubleShare, kDoubleLeast)) return answer;
   if (first == Precision::Single && open.size() > kFewPixels) {
-    const Answer second = pass(only(cells, screen, open, answer.pitch), screen, view, bounds, options, device, Precision::Double);
-    std::vector<std::size_t> there;  // rows of the two frames may be padded differently
-    for (const std::size_t i : open) there.push_back(i / answer.pitch * second.pitch + i % answer.pitch);
+    const std::vector<std::size_t> packets = whole_packets(open, static_cast<std::size_t>(packet_width(device, Precision::Double)));
+    const Answer second = pass(only(cells, *screen, open, answer.pitch), *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch);
+    std::vector<std::size_t> there;  // where each open pixel lies in the list
+    for (const std::size_t i : open)
+      there.push_back(static_cast<std::size_t>(std::lower_bound(packets.begin(), packets.end(), i) - packets.begin()));
     const double spent = second.prepare_seconds;
     scatter(answer, picked(second, there, options), open);
     answer.prepare_seconds += spent;
@@ -282,13 +389,12 @@ Answer frustum_passes(const Formulas& formulas, const View& view, const Bounds& 
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
-  if (!open.empty()) {
-    // Zeros that a clip formula passes over are judged later, by apply_clip.
-    const Formulas unclipped{formulas.f, {}, formulas.parameters};
-    const std::size_t counted = answer.escalated + open.size();
-    decide(answer, open, rays_of(view, open, answer.pitch), unclipped, query_of(unclipped, bounds, options), options);
-    answer.escalated = counted;
-  }
+  if (open.empty() || marches(kReferenceShare, kReferenceLeast)) return answer;
+  const std::size_t counted = answer.escalated + open.size();
+  const auto asked = std::chrono::steady_clock::now();
+  decide(answer, open, rays_of(view, open, answer.pitch), unclipped, query_of(unclipped, bounds, options), options);
+  answer.prepare_seconds += seconds_since(asked);
+  answer.escalated = counted;
   return answer;
 }
 
@@ -297,7 +403,7 @@ Answer frustum_passes(const Formulas& formulas, const View& view, const Bounds& 
 Answer render_frustum(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
                       device::Device& device) {
   const Finder find = [&](const View& v, const Options& o) {
-    Answer answer = frustum_passes(formulas, v, bounds, o, device);
+    Answer answer = frustum_passes(program, formulas, v, bounds, o, device);
     if (formulas.g && answer.outcome == device::Outcome::done) apply_clip(answer, program, formulas, v, bounds, o, device);
     return answer;
   };

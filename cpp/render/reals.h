@@ -1,6 +1,7 @@
 // Arrays of the kernel's reals, filled from the host's doubles.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -36,6 +37,13 @@ class Reals {
       memory_.as<double>()[i] = v;
     } else {
       memory_.as<float>()[i] = static_cast<float>(v);
+    }
+  }
+  void copy(std::size_t first, const double* from, std::size_t count) {
+    if (precision_ == program::Precision::Double) {
+      std::copy_n(from, count, memory_.as<double>() + first);
+    } else {
+      std::copy_n(from, count, memory_.as<float>() + first);
     }
   }
   // v known to about 1e-16 relative, rounded so that it stays on its side.

@@ -5,10 +5,11 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
-from implicitrt.errors import ArgumentError
+from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, ExprLike, sympify
 
 __all__ = ["Bisection", "Contraction", "Method", "explain", "methods"]
@@ -87,13 +88,16 @@ ENTRIES = MappingProxyType({
         *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
                        f"S2 section 4.2: {what}"), f"frustum_{name.replace('-', '_')}", "raa", True)
           for name, what in _FRUSTUM_FINDERS.items()),
+        Entry(Method("frustum-newton", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
+                     "ours, on the frustum form of S2 section 3: halving until a root stands alone, then evaluations only"),
+              "frustum_newton", "raa", True),
     )
 })  # fmt: skip
 
 _METHODS = MappingProxyType(
     {name: e.method for name, e in ENTRIES.items()}
     | {"auto": Method("auto", "every formula", "inclusion", _INCLUSION_OPTIONS,
-                      "contract, or ia for planes, jumps and high even powers; see explain")}
+                      "contract, ia for planes, jumps and high even powers, frames of polynomials by frustum-newton; see explain")}
 )  # fmt: skip
 
 
@@ -107,8 +111,25 @@ _CURVED = frozenset({
 })  # fmt: skip
 
 
+# Degrees at which frames by the frustum form are faster than by contraction (docs/performance.md). Above, coefficients take longer.
+_FORM_DEGREES = range(2, 15)
+
+
+@lru_cache(maxsize=256)
+def _choose_for_frames(expr: Expr) -> tuple[str, str]:
+    """The same for frames: polynomials have their frustum form."""
+    try:
+        degree = expr.degree()
+    except LimitError:
+        degree = None
+    if degree in _FORM_DEGREES:
+        return "frustum-newton", f"it is a polynomial of degree {degree}, and its frustum form depends on nothing else"
+    return _choose(expr)
+
+
+@lru_cache(maxsize=256)
 def _choose(expr: Expr) -> tuple[str, str]:
-    """The method that auto takes for a formula, and why."""
+    """The method that auto takes for rays in any order, and why."""
     jumps = choice = curved = powers = 0
     stack, seen = [expr._node], set()
     while stack:
@@ -133,16 +154,18 @@ def _choose(expr: Expr) -> tuple[str, str]:
 
 
 def explain(f: ExprLike) -> str:
-    """Which method "auto" takes for f, and why."""
-    method, reason = _choose(sympify(f))
-    return f"auto takes {method}: {reason}."
+    """Which method "auto" takes for frames of f, and why; where another is taken for rays in any order, which."""
+    expr = sympify(f)
+    (method, reason), (traced, _) = _choose_for_frames(expr), _choose(expr)
+    also = "" if traced == method else f" trace takes {traced}, and so does render with irt.Clip."
+    return f"auto takes {method}: {reason}.{also}"
 
 
-def resolve(method: Any, expr: Expr) -> tuple[Entry, str]:
-    """The method that runs, and why."""
+def resolve(method: Any, expr: Expr, frames: bool = False) -> tuple[Entry, str]:
+    """The method that runs, and why; `frames`: for a whole frame without clip formulas."""
     name = getattr(method, "name", method)
     if name == "auto":
-        name, reason = _choose(expr)
+        name, reason = _choose_for_frames(expr) if frames else _choose(expr)
         return ENTRIES[name], reason
     if not isinstance(name, str) or name not in ENTRIES:
         close = difflib.get_close_matches(str(method), list(_METHODS), 1)

@@ -104,7 +104,8 @@ def render(
     if unknown:
         raise ArgumentError(f'outputs is a collection of "rgb", "normal" and "pieces", not {outputs!r}')
     request, reason = finder_request(
-        f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, progress
+        f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, progress,
+        frames=True,
     )
     request |= {
         "want": set(outputs),

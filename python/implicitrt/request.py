@@ -20,10 +20,10 @@ from implicitrt.methods import ENTRIES, resolve
 def finder_request(
     f: Any, expr: Expr, bounds: Bounds, method: Any, eps: float | None, params: Mapping[str, float] | None,
     device: str | None, precision: str, rounding: str, isovalue: float | None, max_pieces: int | None,
-    time_limit: float | None, progress: Callable[[float], None] | None,
+    time_limit: float | None, progress: Callable[[float], None] | None, *, frames: bool = False,
 ) -> tuple[dict[str, Any], str]:  # fmt: skip
     """The part of a request that render and trace share, and why its method was chosen."""
-    entry, reason = resolve(method, expr)
+    entry, reason = resolve(method, expr, frames and not bounds.clips)
     if bounds.clips and not entry.clips:
         able = ", ".join(sorted(name for name, e in ENTRIES.items() if e.clips))
         raise MethodError(f"{entry.method.name} knows boxes, balls and half-spaces, not irt.Clip; {able} know it")
@@ -34,6 +34,7 @@ def finder_request(
         "method": entry.method.name,
         "guarantee": entry.method.guarantee,
         "finder": entry.finder,
+        "or_march": method == "auto",
         "reads": entry.reads,
         "algebra": entry.algebra,
         "precision": one_of(precision, "precision", ("auto", "single", "double")),
@@ -56,8 +57,11 @@ def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, start
     device = request["device"]
     depth = result["depth"]
     double = depth.dtype == np.float64
+    method = request["method"]
+    if result.get("marched"):
+        method, reason = "contract", "the frustum form was refused: coefficients leave the range of doubles, or a parameter is no polynomial's"
     return Stats(
-        method=request["method"],
+        method=method,
         reason=reason, guarantee=request["guarantee"], proven=proven, algebra=request["algebra"],
         device=device.name, driver=device.driver, engine=result["engine"],
         precision="double" if double and request["precision"] == "double" else

@@ -9,6 +9,7 @@ import implicitrt as irt
 from implicitrt import Status
 
 FINDERS = [name for name in irt.methods() if name.startswith("frustum-")]
+PAPER = [f"frustum-{f}" for f in ("lr", "lr-mult", "mr", "mr-mult", "clip", "midpoint")]
 # Simple, singular, of high degree, with printed coefficients that cancel.
 SURFACES = ["sphere", "cayley", "barth_sextic", "barth_decic", "supersphere_16"]
 
@@ -22,7 +23,7 @@ def _judge(found: irt.Frame | irt.Hits, depth: np.ndarray, truth: irt.Reference)
 
 
 def test_all_of_the_paper() -> None:
-    assert set(FINDERS) == {f"frustum-{f}" for f in ("lr", "lr-mult", "mr", "mr-mult", "clip", "midpoint")}
+    assert set(FINDERS) == {*PAPER, "frustum-newton"}
 
 
 @pytest.mark.parametrize("name", SURFACES)
@@ -108,10 +109,10 @@ def test_insertions_differ_as_in_the_paper() -> None:
     mean = {
         m: irt.render(irt.surfaces["barth_sextic"], size=(64, 64), method=m, eps=1e-6, precision="double",
                       outputs=("pieces",)).pieces.mean()
-        for m in FINDERS
+        for m in PAPER
     }  # fmt: skip
     assert mean["frustum-midpoint"] > 1.5 * mean["frustum-lr"]
-    assert len({round(float(v), 2) for v in mean.values()}) == len(FINDERS)
+    assert len({round(float(v), 2) for v in mean.values()}) == len(PAPER)
 
 
 def test_kernel_has_no_formula() -> None:
@@ -119,3 +120,36 @@ def test_kernel_has_no_formula() -> None:
     b = irt.kernel_source("x*y*z + 7.25", method="frustum-lr")
     assert a == b
     assert "irt_affine" not in a and "irt_interval" not in a
+
+
+@pytest.mark.parametrize("method", FINDERS)
+def test_what_lies_behind_a_half_space_is_seen(method: str) -> None:
+    """A cell in which every ray has a root hides nothing if a half-space takes that root away."""
+    bounds = [1.2, irt.HalfSpace((0, 0, 1), 0.2)]
+    camera = irt.Camera((0, 0, 5), projection="orthographic", height=2.4)
+    frame = irt.render("x^2 + y^2 + z^2 - 1", bounds=bounds, camera=camera, size=(96, 96), method=method)
+    truth = irt.reference("x^2 + y^2 + z^2 - 1", bounds=bounds, camera=camera, size=(96, 96))
+    _judge(frame, frame.depth, truth)
+    assert (frame.status == truth.kind).all()
+
+
+def test_auto_takes_the_form_where_it_is_fastest() -> None:
+    assert irt.explain("x^6 + y^6 - z").startswith("auto takes frustum-newton")
+    for f in ("x^16 + y^16 + z^16 - 1", "x + y", "sin(x) - y"):
+        assert "frustum" not in irt.explain(f)
+    assert irt.render("x^2*y + z - 0.1", size=(16, 16)).stats.method == "frustum-newton"
+    clipped = irt.render("x^2*y + z - 0.1", bounds=[1, irt.Clip("x")], size=(16, 16))
+    assert clipped.stats.method == "contract"
+    assert irt.trace("x^2*y + z - 0.1", (0, 0, 4), (0, 0, -1), bounds=2).stats.method == "contract"
+
+
+def test_auto_falls_back_where_the_form_is_refused_or_decides_little() -> None:
+    refused = irt.render("1e200*x^3*(1e200*y^2 - 1e199) + 1e300*z", bounds=1, size=(16, 16))
+    assert refused.stats.method == "contract"
+    with pytest.raises(irt.MethodError, match="contract"):
+        irt.render("1e200*x^3*(1e200*y^2 - 1e199) + 1e300*z", bounds=1, size=(16, 16), method="frustum-newton")
+    # All zeros are double: nothing but TOUCH, and no pixel is worth the reference.
+    double = irt.render("(x^2 + y^2 + z^2 - 1)^2", bounds=1.2, size=(96, 96))
+    marched = irt.render("(x^2 + y^2 + z^2 - 1)^2", bounds=1.2, size=(96, 96), method="contract")
+    assert double.stats.counts["TOUCH"] > 1024
+    assert (double.status == marched.status).mean() > 0.99

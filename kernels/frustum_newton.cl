@@ -1,0 +1,98 @@
+// frustum-newton: ours, the fastest of the frustum form's root finders. As the yardstick of hand-written kernels does, it separates roots
+// by halving only and then leaves Bezier pieces alone: an evaluation costs as many multiplications as a cut has rounds.
+//
+// The root of a piece that has exactly one is closed in on by regula falsi with Anderson and Bjorck's weights, and proven between two
+// evaluations beyond all error.
+#define MOST_HALVINGS 40
+#define MOST_STEPS 20
+#define MOST_WIDENINGS 5  // each by four
+#define NARROWEST R(1e-4)
+#define HALF_AND_A_LITTLE R(0.515625)  // a cut in a root would leave its sign unknown on both sides
+
+// The root within [a, b] of the lanes given; c is the polynomial there, positive (times sign) at a and negative at b.
+static inline void close_in(const CELL* cell, const F* c, F a, F b, F sign, I lanes, FOUND* found) {
+  const F length = b - a, near = cell->reach * R(0.25) / max(length, (F)TINY);
+  F lo = (F)0, hi = (F)1, f_lo = sign * c[0], f_hi = sign * c[IRT_DEGREE], x = polygon_zero(c, sign);
+  F narrowed = (F)1;  // where the bounds cut a bracket
+  I last = NONE;
+  for (int n = 0; n < MOST_STEPS && ANY(lanes); ++n) {
+    COUNT(lanes)
+    const F v = sign * value_at(c, IRT_DEGREE, x);
+    const I left = GT(v, (F)0), again = n > 0 ? ~(left ^ last) : NONE;  // the root lies to the right; as it did before
+    const F share = R(1.0) - v / SELECT(left, f_lo, f_hi), weight = SELECT(again, SELECT(GT(share, (F)0), share, (F)R(0.5)), (F)1);
+    f_hi = SELECT(left, f_hi * weight, v);
+    f_lo = SELECT(left, v, f_lo * weight);
+    lo = SELECT(left, x, lo);
+    hi = SELECT(left, hi, x);
+    last = left;
+    const F next = n % 4 == 3 ? R(0.5) * (lo + hi) : fma(hi - lo, clamp(f_lo / max(f_lo - f_hi, (F)TINY), (F)0, (F)1), lo);
+    const I settled = lanes & (LT(fabs(next - x), near * narrowed) | LT(hi - lo, near * narrowed) | (n >= MOST_STEPS - MOST_WIDENINGS ? ALL : NONE));
+    x = next;
+    if (!ANY(settled)) continue;
+    // The last tries take wider and wider brackets.
+    const int widenings = max(0, n - (MOST_STEPS - MOST_WIDENINGS));
+    const F middle = fma(x, length, a), width = cell->reach * narrowed * (real)(1 << (2 * widenings));
+    const F from = max(middle - width, a), to = min(middle + width, b);
+    const I good = settled & brackets(cell, from, to, sign), counts = GE(from, cell->in_lo) & LE(to, cell->in_hi);
+    const I shorter = good & ~counts & GT(narrowed, (F)NARROWEST), done = good & ~shorter;
+    narrowed = SELECT(shorter, narrowed * R(0.0625), narrowed);
+    found->hits |= done & counts;
+    found->open |= done & ~counts;
+    found->lo = SELECT(done, SELECT(counts, from, a), found->lo);
+    found->hi = SELECT(done, SELECT(counts, to, b), found->hi);
+    lanes &= ~done;
+  }
+  found->open |= lanes;
+  found->lo = SELECT(lanes, a, found->lo);
+  found->hi = SELECT(lanes, b, found->hi);
+}
+
+static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found) {
+  F c[N];
+  for (int k = 0; k < N; ++k) c[k] = cell->c[k];
+  F a = cell->lo, b = cell->hi, error = cell->error;
+  if (ANY(lanes & (GT(a, (F)0) | LT(b, (F)1)))) {
+    restrict_to(c, a, b);
+    error = fma((F)(R(2.0) * CUT_ERROR), cell->size, error);
+  }
+  // No sign changes before the first root.
+  const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
+  lanes &= ~one_sign(c, error);
+  I isolated = lanes & one_root(c, error, sign);
+  // The march of frustum_pieces.cl: what lies behind a piece that was free is taken anew from the cell's own coefficients.
+  I moves = lanes & ~isolated;
+  for (int n = 0; n < MOST_HALVINGS && n < max_pieces && ANY(moves); ++n) {
+    COUNT(moves)
+    const F x = fma((F)HALF_AND_A_LITTLE, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
+    F front[N], rest[N];
+    for (int k = 0; k < N; ++k) rest[k] = c[k];
+    for (int k = 0; k < N; ++k) {
+      front[k] = rest[0];
+      for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], (F)HALF_AND_A_LITTLE);
+    }
+    const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind, whole = behind & one_sign(rest, next_error);
+    for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
+    a = SELECT(behind, x, a);
+    b = SELECT(ahead, x, b);
+    error = SELECT(moves, next_error, error);
+    const I done = whole & GE(b, cell->hi), resumes = whole & ~done;
+    moves &= ~done;
+    lanes &= ~done;
+    if (ANY(resumes)) {
+      for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
+      restrict_to(rest, b, cell->hi);
+      for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
+      a = SELECT(resumes, b, a);
+      b = SELECT(resumes, cell->hi, b);
+      error = SELECT(resumes, fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error), error);
+    }
+    const I alone = moves & one_root(c, error, sign);
+    isolated |= alone;
+    moves &= ~alone & GE(b - a, (F)(R(16.0) * ULP));  // roots closer together than the precision tells apart
+  }
+  const I stuck = lanes & ~isolated;
+  found->open |= stuck;
+  found->lo = SELECT(stuck, a, found->lo);
+  found->hi = SELECT(stuck, b, found->hi);
+  if (ANY(isolated)) close_in(cell, c, a, b, sign, isolated, found);
+}
