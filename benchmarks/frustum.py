@@ -73,7 +73,18 @@ def against_surf(runs: int, method: str) -> str:
             v["name"], v["degree"], frame.stats.method, f"{ours:.1f}", f"{wall:.0f}", f"{net:.0f}", f"{wall / ours:.1f}", f"{net / ours:.1f}",
             f"{differ:.3f} %", counts(frame.stats),
         ))  # fmt: skip
-    head = ("view", "degree", "method", "render() ms", "surf ms", "less empty", "ratio", "less empty", "masks differ", "statuses, escalated")
+    head = (
+        "view",
+        "degree",
+        "method",
+        "render() ms",
+        "surf ms",
+        "less empty",
+        "ratio",
+        "less empty",
+        "masks differ",
+        "statuses, escalated",
+    )
     return table(head, rows)
 
 
@@ -94,17 +105,37 @@ def against_yardstick(runs: int, method: str) -> str:
             camera = irt.Camera(eye, target=tuple(np.add(eye, FORWARD)), up=UP, fov=48.4555)
             for _ in range(3):
                 frames[name] = irt.render(
-                    irt.surfaces[name].expr, bounds=slab, camera=camera, size=(1024, 1024), method=method, eps=1e-3, outputs=()
+                    irt.surfaces[name].expr,
+                    bounds=slab,
+                    camera=camera,
+                    size=(1024, 1024),
+                    method=method,
+                    eps=1e-3,
+                    outputs=(),
                 )
                 seconds = frames[name].stats.seconds
                 if run:
-                    times.setdefault(name, []).append((seconds["kernel"], seconds.get("prepare", 0), rows[f"frustum {name}"]))
+                    times.setdefault(name, []).append(
+                        (seconds["kernel"], seconds.get("prepare", 0), rows[f"frustum {name}"])
+                    )
     lines = []
     for name in VIEWS:
         kernel, prepare, theirs = (statistics.median(t) for t in zip(*times[name], strict=True))
         stats = frames[name].stats
-        lines.append((name, stats.method, f"{1e3 * kernel:.1f}", f"{1e3 * prepare:.1f}", f"{theirs:.1f}", f"{theirs / (1e3 * kernel):.2f}", counts(stats)))
-    return table(("view", "method", "kernel ms", "coefficients ms", "yardstick ms", "ratio", "statuses, escalated"), lines)
+        lines.append(
+            (
+                name,
+                stats.method,
+                f"{1e3 * kernel:.1f}",
+                f"{1e3 * prepare:.1f}",
+                f"{theirs:.1f}",
+                f"{theirs / (1e3 * kernel):.2f}",
+                counts(stats),
+            )
+        )
+    return table(
+        ("view", "method", "kernel ms", "coefficients ms", "yardstick ms", "ratio", "statuses, escalated"), lines
+    )
 
 
 def main() -> None:
@@ -115,7 +146,9 @@ def main() -> None:
     parser.add_argument("--method", default="auto")
     args = parser.parse_args()
     device = irt.devices()[0]
-    print(f"{device.name}, {device.driver}, medians of {args.runs} alternating runs; statuses: MISS HIT TOUCH UNRESOLVED\n")
+    print(
+        f"{device.name}, {device.driver}, medians of {args.runs} alternating runs; statuses: MISS HIT TOUCH UNRESOLVED\n"
+    )
     for which in args.which:
         print({"surf": against_surf, "yardstick": against_yardstick}[which](args.runs, args.method), "\n")
 

@@ -87,7 +87,7 @@ void antialias(Answer& answer, const Finder& find, const program::Program& progr
   const auto passes = static_cast<double>(n * n);
   Options colours = options;
   colours.normal = colours.pieces = false;
-  if (options.by_frustum()) colours.finder = "contract";  // frustum forms have no lists of pixels
+  if (options.by_frustum() && !options.everywhere) colours.finder = "contract";  // frustum forms have no lists of pixels
   std::vector<Sum> sums(options.everywhere ? answer.pitch * answer.rows : pixels.size());
   for (int k = 0; k < n * n; ++k) {
     View shifted = view;

@@ -86,7 +86,7 @@ def test_neighbours_compile_nothing_for_new_parameters() -> None:
 
 
 def test_neighbours_keep_what_is_open() -> None:
-    frame = irt.render(SPHERE, size=(32, 24), normals="neighbours", max_pieces=1, unresolved_color="magenta")
+    frame = irt.render(SPHERE, size=(32, 24), normals="neighbours", max_pieces=1, unresolved_color="magenta", method="raa")
     assert (frame.status == Status.UNRESOLVED).any()
     assert (frame.rgb[frame.status == Status.UNRESOLVED] == (255, 0, 255)).all()
     late = irt.render(SPHERE, size=(64, 64), time_limit=1e-9, normals="neighbours", antialias=2)
