@@ -244,14 +244,20 @@ std::shared_ptr<const Planned> planned_of(const Expr& f, const std::map<std::str
   return planned;
 }
 
+kernel::Spec cells_spec(const Options& options, const device::Device& device, Precision precision, int degree, int tile, const Bounds& bounds,
+                        kernel::Entry entry) {
+  kernel::Spec spec = spec_of(options, device, precision, degree, tile);
+  spec.entry = entry;
+  spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
+  return spec;
+}
+
 // By the kernel of `precision`: one frame, or those packets of it that hold a pixel of `open` (row * pitch + column), one after another.
 Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
             device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0) {
   const auto start = std::chrono::steady_clock::now();
-  kernel::Spec spec = spec_of(options, device, precision, cells.degree, screen.tile);
-  spec.entry = packets ? kernel::Entry::PixelList : kernel::Entry::Camera;
-  spec.spheres = static_cast<int>(bounds.balls.size());
-  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
+  const kernel::Spec spec = cells_spec(options, device, precision, cells.degree, screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
@@ -389,6 +395,10 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
+  // A formula that is drawn again with parameters has a slider, which should compile nothing wherever it is moved.
+  if (first == Precision::Single && program.inputs() && answer.builds == 0)
+    device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, cells.degree, screen->tile, bounds, kernel::Entry::PixelList)),
+                   kernel::entry_name(kernel::Entry::PixelList));
   if (open.empty() || marches(kReferenceShare, kReferenceLeast)) return answer;
   const std::size_t counted = answer.escalated + open.size();
   const auto asked = std::chrono::steady_clock::now();
