@@ -4,9 +4,9 @@
 // Not in the papers. As z shrinks with the square of the length, it converges quadratically at simple roots, without stack
 // or derivative. Positions and steps are whole units of the path, so that pieces are exact, and contraction rounds outward to
 // units. A form that is positive at one end of the piece and negative at the other, by more than z, has proven both signs: where what
-// is left is short enough it is a HIT. Where that does not happen (f is a range there, or rounding drowns it) candidates are
-// proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it inside the
-// clip region where there is one (IRT_CLIP).
+// is left is short enough it is a HIT. Where that does not happen (f is a range there, or rounding drowns it) a short piece is a
+// candidate and is proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it
+// inside the clip region where there is one (IRT_CLIP). Few lanes ever come to that, so its bookkeeping is left out where none has.
 #define MARGIN R(0.25)  // of a piece, beyond its end
 // From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
 // thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
@@ -17,11 +17,17 @@
 #define WIDENINGS 48
 #define WIDER R(1.25)
 #endif
-#define FIRST_STEP (PATH_END >> 3)
-// How far the rounding of a contracted end may be off, in units.
-#define SLACK R(0.75)
-#define FLOOR ((I)4)  // units: no contracted piece is much shorter, because its ends are rounded outward
-#define BLUNT ((I)64)  // units: below, what contraction cannot shorten only rounding keeps it from shortening
+#define UNITS ((F)PATH_END_REAL)
+#define FIRST_STEP ((F)(PATH_END_REAL / 8))
+// How far the rounding of a contracted end to units may be off.
+#define SLACK R(1.25)
+#define FLOOR ((F)4)   // units: no contracted piece is much shorter, because its ends are rounded outward
+#define BLUNT ((F)64)  // units: below, what contraction cannot shorten only rounding keeps it from shortening
+
+// Beams halt at pieces no longer than their width along each axis together, or when they have looked at so many (the gain is flat from
+// here on); their rays begin with a piece that is longer by LEAD, because surfaces seldom cross a beam at a right angle.
+#define BEAM_PIECES 32
+#define LEAD R(4.0)
 
 // Pieces that each lane has looked at, where the call asks for them.
 #if IRT_PIECES
@@ -34,134 +40,169 @@
 #define REPORT_COUNT
 #endif
 
-// What is left of a piece, in units, and whether the form has proven signs before and behind it.
+// What is left of a piece, in units, and where something was cut away.
 typedef struct {
-  I from, end;
-  I before, behind;  // where something was cut away
-  I above_before, above_behind;
+  F from, end;
+  I before, behind;
 } CUT;
 
-static inline CUT contract(FORM f, I from, I step) {
+static inline CUT contract(FORM f, F from, F step) {
   CUT cut;
+#if FORM_IS_RANGE
   cut.from = from;
   cut.end = from + step;
-#if FORM_IS_RANGE
-  cut.before = cut.behind = cut.above_before = cut.above_behind = NONE;
+  cut.before = cut.behind = NONE;
 #else
-  const F start = TO_F(from), length = TO_F(step), inverse = R(1.0) / f.y;
+  const F part = R(0.5) * step, inverse = R(1.0) / f.y;
 #if IRT_OUTWARD
   const F z = fma((F)(R(4.0) * ULP), fabs(f.x) + fabs(f.y) + f.z, f.z);
 #else
   const F z = f.z;
 #endif
-  const F p = (-f.x - z) * inverse, q = (-f.x + z) * inverse;
-  // Shares of the piece, 0 to 1. Where y is zero nothing is known; clamp would let nan pass.
-  const I known = LT(fabs(p) + fabs(q), INF);
-  const F first = SELECT(known, clamp(fma((F)R(0.5), min(p, q), (F)R(0.5)), (F)0, (F)1), (F)0);
-  const F last = SELECT(known, clamp(fma((F)R(0.5), max(p, q), (F)R(0.5)), (F)0, (F)1), (F)1);
-  const F off = fma((F)(R(16.0) * ULP), length, (F)SLACK);
-  const F low = floor(fma(length, first, -off)), high = ceil(fma(length, last, off));
-  cut.before = GT(low, (F)0);
-  cut.behind = LT(high, length);
-  cut.from = from + SELECT(cut.before, TO_I(low), NONE);
-  cut.end = SELECT(cut.behind, from + TO_I(high), cut.end);
-  cut.above_before = GT(f.x, f.y);
-  cut.above_behind = GT(f.x, -f.y);
+  // The middle of what is left, and half of it, in halves of the piece. Where y is zero nothing is known.
+  const F middle = -f.x * inverse, reach = z * fabs(inverse);
+  const I known = LT(fabs(middle) + reach, (F)MODEST);
+  const F off = fma((F)(R(16.0) * ULP), step, (F)SLACK);
+  const F low = WHOLE(fma(min(middle - reach, (F)1), part, part - off)), high = WHOLE(fma(max(middle + reach, (F)-1), part, part + off));
+  cut.before = known & GT(low, (F)0);
+  cut.behind = known & LT(high, step);
+  cut.from = from + SELECT(cut.before, low, (F)0);
+  cut.end = from + SELECT(cut.behind, high, step);
 #endif
   return cut;
 }
 
-static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
-  const PATH path = make_path(ray, range, q);
+static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER) {
+  PATH path = make_path(ray, range, q);
   // The longest bracket, and the longest step whose piece and margin make one.
-  const F wanted = clamp((F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP), (F)1, TO_F(PATH_END));
-  const I widest = TO_I(floor(wanted));
+  const F wanted = clamp((F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP), (F)1, UNITS);
 #if IRT_OUTWARD
-  I stop = max(TO_I(floor(wanted / (R(1.0) + MARGIN))), (I)1);
+  F stop = max(WHOLE(wanted / (R(1.0) + MARGIN) - R(0.5)), (F)1);
 #else
-  I stop = widest;
+  F stop = WHOLE(wanted - R(0.5));
 #endif
+  const F enough = max(wanted, FLOOR);
+  F position = (F)0, step = FIRST_STEP, clear = (F)0;
+  F sign = (F)0;  // positive or negative as f is at `position`, or at in0 where that lies ahead; zero: not known
   I active = LE(range->out0, range->out1), hits = NONE, open = NONE;
-  I position = NONE, step = NONE, tries = NONE, proving = ALL, clear = NONE;
-  I above = NONE, below = NONE;  // the sign of f at `position`, or at in0 where that lies ahead, if it is known
-  I bracketed = NONE;            // the signs at both ends of the piece are proven opposite
-  I wild = NONE;                 // the enclosure of the candidate is infinite
-  F margin = max(path.in0, (F)0), far = (F)0;
+#if IRT_BEAMS
+  if (beam) {
+    // All of a beam counts, and nothing is decided of it.
+    path.in0 = (F)0;
+    stop = WHOLE((path.ex + path.ey + path.ez + UNITS * (path.gx + path.gy + path.gz)) / path.unit);
+  } else {
+    const F inverse = R(1.0) / path.unit, begin = WHOLE((head->from - path.start) * inverse - R(4.0));
+    const I known = GT(begin, (F)0);
+    active &= LT(begin, UNITS);
+    position = SELECT(known, min(begin, UNITS), (F)0);
+    sign = SELECT(known & GE(begin, path.in0), head->sign, (F)0);
+    step = clamp(WHOLE(LEAD * head->span * inverse), (F)8, max(UNITS - position, (F)8));
+  }
+#endif
+  F from = position, to = position + step;  // the piece to look at
+  I bracketed = NONE;  // the signs at both ends of the piece are proven opposite
+  F far = (F)0;        // the end of what is found
+  // Candidates: what they try, how often, how far behind their end; and whether the enclosure was infinite.
+  I proving = NONE, asking = NONE, asked = NONE, wild = NONE, tries = NONE;
+  F margin = (F)0;
 #if IRT_PARTIAL || IRT_CLIP
   I checking = NONE;  // the signs are proven, continuity and lying inside the clip region are not yet
 #endif
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
-    const F from = TO_F(position), end = from + TO_F(step), behind = max(min(end + margin, path.in1), path.in0);
-#if IRT_PARTIAL || IRT_CLIP
-    const F a = SELECT(proving & ~checking, behind, from);
-#else
-    const F a = SELECT(proving, behind, from);
-#endif
-    const F b = SELECT(proving, behind, end);
     I undefined, rough;
     REGION_VARIABLES
-    const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough REGION_OUT);
-    const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined;
-
-    const I starts = active & EQ(step, NONE), marches = active & ~proving, tried = active & proving & ~starts;
-    const I skips = marches & (is_above | is_below | undefined | outside), left = marches & ~skips;
+    const FORM f = enclose(&path, from, to PARAMETERS_PASS, &undefined, &rough REGION_OUT);
+    const I sure = nonzero(f) & ~undefined, marches = active & ~proving;
+    const F tells = SELECT(sure, leaning(f), (F)0);
+    const I skips = marches & (sure | undefined | outside), left = marches & ~skips;
     const CUT cut = contract(f, position, step);
-    const I rest = cut.end - cut.from;
 #if IRT_PARTIAL
     // A form says nothing of where f is undefined or jumps: then nothing is cut, the piece is halved.
     const I cuts = left & ~rough;
 #else
     const I cuts = left;
 #endif
-    const I before = cuts & cut.before, known_above = SELECT(before, cut.above_before, above), known_below = SELECT(before, ~cut.above_before, below);
-    const I crossing = cuts & cut.behind & ((known_above & ~cut.above_behind) | (known_below & cut.above_behind));
-    const I lies_inside = GE(TO_F(cut.from), path.in0) & LE(TO_F(cut.end), path.in1);
-    const I shorter = cuts & LE(rest, step - max(step >> 2, (I)1)), pinned = cuts & (crossing | bracketed);
-    const I found = pinned & lies_inside & inside & (LE(rest, max(widest, FLOOR)) | (~shorter & LE(rest, BLUNT)));
-    const I deeper = left & ~found, candidate = deeper & LE(step, stop), moves = deeper & ~candidate;
-    const I opposite = tried & ((above & is_below) | (below & is_above));
+    const F end = position + step, rest = cut.end - cut.from, ahead = SELECT(cut.before, BEFORE(f), sign);
+    const I crossing = cut.behind & LT(ahead * BEHIND(f), (F)0), pinned = cuts & (crossing | bracketed);
+    const I shorter = cuts & LE(rest, R(0.75) * step), lies_inside = GE(cut.from, path.in0) & LE(cut.end, path.in1) & inside;
+    const I found = pinned & lies_inside & (LE(rest, enough) | (~shorter & LE(rest, BLUNT)));
+    const I deeper = left & ~found, candidate = deeper & LE(step, stop), moves = deeper & ~candidate, shrinks = moves & shorter;
+    // Everything before `clear` and behind the piece is free of zeros.
+    const F next = max(end, clear), longer = min(max(step + step, next - position), UNITS - next);
+    // Pieces that contraction hardly shortens are halved; what is behind the half is then not clear.
+    const F halved = max(WHOLE(R(0.5) * SELECT(cuts, rest, step)), (F)1);
+    clear = SELECT(shrinks, next, SELECT(moves, (F)0, clear));
+    bracketed = shrinks & pinned;
+    hits |= found;
+    far = SELECT(found, cut.end, far);
+    active &= ~(found | (skips & GE(next, UNITS)));
+    const I cutting = cuts & ~candidate;
+    position = SELECT(skips, next, SELECT(cutting, cut.from, position));
+    step = SELECT(skips, longer, SELECT(shrinks, rest, SELECT(moves, halved, step)));
+    // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
+    sign = SELECT((skips | cutting) & GE(position, path.in0), SELECT(skips, tells, ahead), sign);
+    from = position;
+    to = position + step;
+    const I tried = active & proving;
+#if IRT_BEAMS
+    if (beam) {
+      active &= ~candidate;
+      continue;
+    }
+#endif
+    if (ANY(candidate | tried)) {
+      const F behind = max(min(end + margin, path.in1), path.in0);
+      const I answers = tried & asking, attempted = tried & ~asking, opposite = attempted & LT(sign * tells, (F)0);
+      sign = SELECT(answers, tells, sign);
 #if IRT_PARTIAL || IRT_CLIP
-    const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & (~opposite | checking);
-    checking = opposite & ~checking;
+      const I holds = attempted & checking & inside & ~rough, failed = attempted & ~holds & (~opposite | checking);
+      checking = opposite & ~checking;
 #else
-    const I proven = opposite, failed = tried & ~opposite;
+      const I holds = opposite, failed = attempted & ~opposite;
 #endif
 #if IRT_OUTWARD
-    const I last = LE(step, (I)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
-    const I gives_up = failed & last & ~widens, halves = failed & ~last;
+      const I last = LE(step, (F)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
+      const I gives_up = failed & last & ~widens, halves = failed & ~last;
 #else
-    // As the papers do: the first piece that is short enough ends the search; HIT where the computed signs at its ends differ.
-    const I widens = NONE, gives_up = failed, halves = NONE;
+      // As the papers do: the first piece that is short enough ends the search; HIT where the computed signs at its ends differ.
+      const I widens = NONE, gives_up = failed, halves = NONE;
 #endif
-    far = SELECT(found, TO_F(cut.end), SELECT(proven, behind, far));
-    hits |= proven | found;
-    open |= gives_up;
-    // Everything before `clear` and behind the piece is free of zeros.
-    const I next = max(position + step, clear);
-    active &= ~(proven | found | gives_up | (skips & GE(next, PATH_END)));
-    wild = SELECT(candidate, unbounded(f), wild);
-    tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, WIDER * margin, margin));
-    stop = SELECT(halves, max(stop >> 4, (I)1), stop);
-    // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
-    const I counts = starts | (skips & GE(TO_F(next), path.in0)), moved = (found | moves) & GE(TO_F(cut.from), path.in0);
-    above = SELECT(counts, is_above, SELECT(moved, known_above, above));
-    below = SELECT(counts, is_below, SELECT(moved, known_below, below));
-    proving = SELECT(starts | halves, NONE, proving | candidate);
-    // Pieces that contraction hardly shortens are halved; what is behind the half is then not clear.
-    const I shrinks = moves & shorter, halved = max(SELECT(moves & cuts, rest, step) >> 1, (I)1);
-    clear = SELECT(shrinks, max(clear, position + step), SELECT(moves | halves | skips, NONE, clear));
-    bracketed = shrinks & pinned;
-    const I longer = min(max(step << 1, next - position), PATH_END - next);
-    step = SELECT(skips, longer, SELECT(shrinks, rest, SELECT(moves | halves, halved, SELECT(starts, (I)FIRST_STEP, step))));
-    position = SELECT(skips, next, SELECT(found | (moves & cuts), cut.from, position));
+      far = SELECT(holds, behind, SELECT(gives_up, end, far));
+      hits |= holds;
+      open |= gives_up;
+      active &= ~(holds | gives_up);
+      wild = SELECT(candidate, unbounded(f), wild);
+      tries = SELECT(candidate, NONE, tries - widens);
+      margin = SELECT(candidate, MARGIN * step, SELECT(widens, WIDER * margin, margin));
+      stop = SELECT(halves, max(WHOLE(R(0.0625) * stop), (F)1), stop);
+      step = SELECT(halves, max(WHOLE(R(0.5) * step), (F)1), step);
+      clear = SELECT(halves, (F)0, clear);
+      proving = (proving & ~halves) | candidate;
+      // Where the sign at the start is not known it is asked for, once.
+      asking = candidate & EQ(sign, (F)0) & ~asked;
+      asked |= asking;
+      const F start = max(position, path.in0), there = SELECT(asking, start, max(min(position + step + margin, path.in1), path.in0));
+#if IRT_PARTIAL || IRT_CLIP
+      from = SELECT(proving, SELECT(checking, position, there), position);
+#else
+      from = SELECT(proving, there, position);
+#endif
+      to = SELECT(proving, there, position + step);
+    }
   }
+#if IRT_BEAMS
+  if (beam) {
+    head->from = fma(position, path.unit, path.start) - R(8.0) * ULP * (F)RADIUS;
+    head->span = step * path.unit;
+    head->sign = sign;
+    open = LT(position, UNITS) & LE(range->out0, range->out1);
+  }
+#endif
   // Lanes that are still active have spent their budget.
-  const F from = TO_F(position), end = from + TO_F(step);
   const I status = SELECT(hits, HIT, SELECT(open & ~wild, TOUCH, SELECT(open | active, UNRESOLVED, MISS)));
-  ROOT root = report(&path, q, status, from, SELECT(hits, far, end));
+  ROOT root = report(&path, q, status, position, far);
   REPORT_COUNT
   return root;
 }

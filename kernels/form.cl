@@ -3,6 +3,10 @@
 static inline I positive(FORM f) { return GT(f.lo, (F)0); }
 static inline I negative(FORM f) { return LT(f.hi, (F)0); }
 static inline I unbounded(FORM f) { return ~(GT(f.lo, -INF) & LT(f.hi, INF)); }
+static inline I nonzero(FORM f) { return GT(f.lo, (F)0) | LT(f.hi, (F)0); }
+static inline F leaning(FORM f) { return SELECT(GT(f.lo, (F)0), (F)1, (F)-1); }  // of a proven sign
+#define BEFORE(f) ((F)0)
+#define BEHIND(f) ((F)0)
 #else
 #if IRT_OUTWARD
 #define CERTAIN(v) ((v) * (R(1.0) - R(3.0) * ULP))  // covers the rounding of |y| + z
@@ -12,4 +16,9 @@ static inline I unbounded(FORM f) { return ~(GT(f.lo, -INF) & LT(f.hi, INF)); }
 static inline I positive(FORM f) { return GT(CERTAIN(f.x), ra_rad(f)); }
 static inline I negative(FORM f) { return LT(CERTAIN(f.x), -ra_rad(f)); }
 static inline I unbounded(FORM f) { return ~LT(fabs(f.x) + ra_rad(f), INF); }
+static inline I nonzero(FORM f) { return GT(CERTAIN(fabs(f.x)), ra_rad(f)); }
+static inline F leaning(FORM f) { return f.x; }
+// The middle of the form at the start and at the end of the piece.
+#define BEFORE(f) ((f).x - (f).y)
+#define BEHIND(f) ((f).x + (f).y)
 #endif

@@ -2,11 +2,15 @@
 #if IRT_DOUBLE
 #define PATH_LEVELS 46
 #define POWER_OF_TWO_BELOW(v) AS_F(AS_I(v) & (I)0x7ff0000000000000)
+#define WHOLE_SHIFT 0x1.8p52
 #else
 #define PATH_LEVELS 22  // middles of pieces stay exact, and a unit is about what single precision resolves
 #define POWER_OF_TWO_BELOW(v) AS_F(AS_I(v) & (I)0x7f800000)
+#define WHOLE_SHIFT 0x1.8p23f
 #endif
 #define PATH_END (((I)1) << PATH_LEVELS)
+#define WHOLE(v) (((v) + WHOLE_SHIFT) - WHOLE_SHIFT)  // the nearest integer, for |v| up to PATH_END
+#define PATH_END_REAL (((real)1) * ((long)1 << PATH_LEVELS))
 
 typedef struct {
   F ox, oy, oz, ux, uy, uz;  // position: o + c u, c counting units
@@ -14,6 +18,9 @@ typedef struct {
   F lox, loy, loz, lux, luy, luz;  // what rounding o and u to F left over
 #endif
   F ex, ey, ez;  // and its error
+#if IRT_BEAMS
+  F gx, gy, gz;  // which grows so much with each unit
+#endif
   F start, unit;  // s = start + c unit
   F in0, in1;     // the units between which everything counts (RANGE)
 } PATH;
@@ -40,14 +47,29 @@ typedef struct {
   }
 #endif
 
+#if IRT_BEAMS
+#define PATH_SPREAD(axis) \
+  path.g##axis = path.unit * ray->w##axis * (R(1.0) + R(4.0) * ULP); \
+  path.e##axis = (IRT_OUTWARD ? path.e##axis : (F)0) + fma(max(NARROW(ray->tau) + path.start + reach, (F)0), ray->w##axis, ray->b##axis) * (R(1.0) + R(8.0) * ULP);
+#define ERROR_UNTIL(path, axis, c) fma(c, path->g##axis, path->e##axis)
+#else
+#define ERROR_UNTIL(path, axis, c) (IRT_OUTWARD ? path->e##axis : (F)0)
+#endif
+
 static inline PATH make_path(const RAY* ray, const RANGE* range, __global const real* q) {
   PATH path;
   path.start = range->out0;
   // Long enough to reach out1 in spite of rounding.
-  path.unit = (range->out1 - range->out0) * (F)((R(1.0) + R(4.0) * ULP) / (((real)1) * ((long)1 << PATH_LEVELS)));
+  path.unit = (range->out1 - range->out0) * (F)((R(1.0) + R(4.0) * ULP) / (PATH_END_REAL));
   PATH_AXIS(x, 0)
   PATH_AXIS(y, 1)
   PATH_AXIS(z, 2)
+#if IRT_BEAMS
+  const F reach = (F)(R(4.0) * ULP) * (fabs(NARROW(ray->tau)) + (F)RADIUS);
+  PATH_SPREAD(x)
+  PATH_SPREAD(y)
+  PATH_SPREAD(z)
+#endif
   const F inverse = R(1.0) / path.unit;
   path.in0 = fma(range->in0 - path.start, inverse, (F)R(0.5));
   path.in1 = fma(range->in1 - path.start, inverse, (F)R(-0.5));

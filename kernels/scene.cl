@@ -29,7 +29,17 @@ typedef struct {
 #endif
   FW tau, length;
   F near_out, near_in, far_out, far_in;
+#if IRT_BEAMS
+  F bx, by, bz, wx, wy, wz;  // how far apart the rays of a beam lie: b + (tau + s) w
+#endif
 } RAY;
+
+#if IRT_BEAMS
+// What a beam found out for its rays (beams.cl): f has one sign up to `from`, and `span` behind it is to be looked at closer. In units of s.
+typedef struct {
+  F from, span, sign;  // from = -infinity, sign = 0: nothing is known
+} HEAD;
+#endif
 
 // The part of a ray that counts. Outside [out0, out1] nothing counts; all of [in0, in1] does.
 typedef struct {

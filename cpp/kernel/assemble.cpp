@@ -42,10 +42,20 @@ std::string prelude(const Spec& spec) {
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
     define("IRT_SPLIT", spec.split);
+    define("IRT_BEAMS", spec.beams);
+    if (spec.beams) {
+      const Tiling tiling(spec.width);
+      define("PACKET_WIDTH", tiling.packet_width);
+      define("PACKET_HEIGHT", tiling.packet_height);
+      define("BEAM", kBeam);
+      define("BEAMS_ACROSS", tiling.beams_across);
+      define("BEAMS_DOWN", tiling.beams_down);
+    }
   }
   text += fmt::format("typedef {} real;\ntypedef {}{} F;\ntypedef {}{} I;\ntypedef uint{} UINT;\n", real, real, w, integer, w, w);
   text += fmt::format("#define TO_F(v) convert_{0}{1}(v)\n#define TO_I(v) convert_{2}{1}(v)\n#define AS_F(v) as_{0}{1}(v)\n"
                       "#define AS_I(v) as_{2}{1}(v)\n#define TO_UINT(v) convert_uint{1}(v)\n", real, w, integer);
+  text += fmt::format("typedef uchar{0} BYTES;\ntypedef float{0} FLOATS;\n#define TO_BYTES(v) convert_uchar{0}(v)\n#define TO_FLOATS(v) convert_float{0}(v)\n", w);
   if (spec.entry != Entry::Enclose) {
     // Rays are set up in `wide` reals.
     const std::string setup = spec.split ? "double" : real;
@@ -56,11 +66,11 @@ std::string prelude(const Spec& spec) {
   if (spec.width == 1) {
     text += "#define LOAD(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n"
             "#define STORE_BYTES(v, p) (*(p) = convert_uchar(v))\n#define STORE_FLOAT(v, p) (*(p) = convert_float(v))\n"
-            "#define STORE_UINT(v, p) (*(p) = (v))\n";
+            "#define STORE_UINT(v, p) (*(p) = (v))\n#define STORE_AS(v, p) (*(p) = (v))\n";
   } else {
     text += fmt::format("#define LOAD(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n"
                         "#define STORE_BYTES(v, p) vstore{0}(convert_uchar{0}(v), 0, p)\n"
-                        "#define STORE_FLOAT(v, p) vstore{0}(convert_float{0}(v), 0, p)\n#define STORE_UINT(v, p) vstore{0}(v, 0, p)\n",
+                        "#define STORE_FLOAT(v, p) vstore{0}(convert_float{0}(v), 0, p)\n#define STORE_UINT(v, p) vstore{0}(v, 0, p)\n#define STORE_AS(v, p) vstore{0}(v, 0, p)\n",
                         spec.width);
   }
   return text;
@@ -72,7 +82,9 @@ std::string parameters_of(const program::Program& program, const Spec& spec) {
                                  program[program.result].partial ? 1 : 0);
   text += program.inputs() > 0 ? "#define PARAMETERS , __global const real* p\n#define PARAMETERS_PASS , p\n"
                                : "#define PARAMETERS\n#define PARAMETERS_PASS\n";
-  text += "#define ARGUMENTS PARAMETERS\n#define ARGUMENTS_PASS PARAMETERS_PASS\n#define FINDER_PASS PARAMETERS_PASS\n";
+  text += "#define ARGUMENTS PARAMETERS\n#define ARGUMENTS_PASS PARAMETERS_PASS\n";
+  text += spec.beams ? "#define FINDER , HEAD* head, const int beam PARAMETERS\n#define FINDER_PASS , &head, beam PARAMETERS_PASS\n"
+                     : "#define FINDER PARAMETERS\n#define FINDER_PASS PARAMETERS_PASS\n";
   text += fmt::format("#define IRT_CLIP {}\n", program.clip >= 0 ? 1 : 0);
   // What clip and numerator tell of a piece of ray; without them everything is inside.
   text += program.has_region() ? "#define REGION_PARAMETERS , I* outside, I* inside\n#define REGION_PASS , outside, inside\n"
@@ -174,7 +186,8 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include(spec.finder + ".cl");
     if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
-    include("trace.cl");
+    include("results.cl");
+    include(spec.beams ? "beams.cl" : "trace.cl");
   }
   if (text.size() > limits::kSourceBytes)
     throw LimitError(fmt::format("the kernel's source has {} bytes; the limit is {}; shorten the formula", text.size(),
@@ -193,7 +206,7 @@ std::string joined(std::string text, std::initializer_list<const char*> files) {
 std::string with_shading(std::string text, const Spec& spec) {
   if (spec.normal || spec.rgb) text = joined(text, {"normal.cl"});
   if (spec.rgb) text = joined(text, {"shade.cl"});
-  return joined(text, {"trace.cl"});
+  return joined(text + "#define PARAMETERS\n#define PARAMETERS_PASS\n", {"results.cl", "trace.cl"});
 }
 
 }  // namespace

@@ -13,6 +13,22 @@ enum class Entry { Camera, PixelList, RayList, Enclose, Neighbours };
 // How many pixel widths nearer or farther a neighbour lies on another sheet of the surface: behind or before a silhouette.
 inline constexpr int kJump = 4;
 
+// Beams (kernels/beams.cl): one bounds the rays of kBeam x kBeam pixels; a work-item has a packet of beams, a tile of the picture.
+inline constexpr int kBeam = 4;
+
+// How packets lie in the picture and in a tile.
+struct Tiling {
+  int packet_width, packet_height;  // pixels
+  int beams_across, beams_down;     // in a tile
+
+  explicit constexpr Tiling(int width)
+      : packet_width(width < kBeam ? width : kBeam), packet_height(width / packet_width),
+        beams_across(width < kBeam ? 1 : width / kBeam), beams_down(width / beams_across) {}
+  constexpr int width() const { return packet_width * packet_height; }
+  constexpr int across() const { return beams_across * kBeam; }  // pixels of a tile
+  constexpr int down() const { return beams_down * kBeam; }
+};
+
 struct Spec {
   Entry entry = Entry::Camera;
   bool affine = false;
@@ -28,6 +44,7 @@ struct Spec {
   bool normal = false;
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray
+  bool beams = false;    // the camera's rays start where beams end; needs kernels/contract.cl
   // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.
   int degree = 0, tile = 0;
 };

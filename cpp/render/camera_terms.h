@@ -1,10 +1,13 @@
-// Rays of a camera as terms per column and per row, in long double (kernels/ray_camera.cl).
+// Rays of a camera as terms per column and per row, in long double (kernels/ray_camera.cl), and the beams round them (kernels/beams.cl).
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "kernel/assemble.h"
 #include "render/reals.h"
 
 namespace irt::render {
@@ -12,25 +15,75 @@ namespace irt::render {
 // Rays of `view` relative to the plane through the middle of the bounds.
 class CameraTerms {
   using vec = glm::vec<3, long double>;
-  static constexpr int kTerms = 8;  // P, D, share of |D|^2, tau
+  static constexpr int kTerms = 8, kBeamTerms = 14;  // P, D, share of |D|^2, tau; of beams also how wide they are
+
+  // What a lane stands for: one line of pixels, or the lines between two of them.
+  using Lanes = std::vector<std::pair<int, int>>;
+
+  // Lanes past the last column repeat it.
+  static Lanes side_by_side(int count, int width) {
+    Lanes lanes;
+    for (int i = 0; i < (count + width - 1) / width * width; ++i) lanes.emplace_back(std::min(i, count - 1), std::min(i, count - 1));
+    return lanes;
+  }
+
+  // Tiles of `beams` beams in this direction, and packets of `size` lines: for each tile the lanes of the packet of beams, then those of
+  // its packets. `index` gives the line, in this direction, of a lane of a packet or of a packet of beams.
+  template <class Index>
+  static Lanes tiled(int count, int width, int beams, int size, const Index& index) {
+    constexpr int kBeam = kernel::kBeam;
+    const auto line = [&](int i) { return std::min(i, count - 1); };
+    Lanes lanes;
+    for (int first = 0; first < count; first += beams * kBeam) {
+      for (int lane = 0; lane < width; ++lane) {
+        const int beam = first + kBeam * index(lane, true);
+        lanes.emplace_back(line(beam), line(beam + kBeam - 1));
+      }
+      for (int packet = 0; packet < beams * kBeam; packet += size)
+        for (int lane = 0; lane < width; ++lane) {
+          const int at = line(first + packet + index(lane, false));
+          lanes.emplace_back(at, at);
+        }
+    }
+    return lanes;
+  }
 
  public:
+  // Packets of `width` rays side by side.
   CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, int width)
-      : column_stride((view.columns + width - 1) / width * width),
-        row_stride(view.rows),
-        columns(wide, kTerms * column_stride),
-        rows(wide, kTerms * row_stride) {
+      : CameraTerms(view, bounds, wide, side_by_side(view.columns, width), side_by_side(view.rows, 1), kTerms) {}
+
+  // Packets in tiles, with their beams.
+  CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, const kernel::Tiling& tiling)
+      : CameraTerms(view, bounds, wide,
+                    tiled(view.columns, tiling.width(), tiling.beams_across, tiling.packet_width,
+                          [&](int lane, bool beam) { return lane % (beam ? tiling.beams_across : tiling.packet_width); }),
+                    tiled(view.rows, tiling.width(), tiling.beams_down, tiling.packet_height,
+                          [&](int lane, bool beam) { return lane / (beam ? tiling.beams_across : tiling.packet_width); }),
+                    kBeamTerms) {}
+
+ private:
+  CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, const Lanes& column_lanes, const Lanes& row_lanes, int terms)
+      : column_stride(column_lanes.size()), row_stride(row_lanes.size()), columns(wide, terms * column_stride), rows(wide, terms * row_stride) {
     const vec origin(view.origin), right(view.right), up(view.up), forward(view.forward);
     const long double distance = glm::dot(vec(bounds.center()) - origin, forward);
     tau = static_cast<double>(distance);
     const long double half = view.perspective ? view.tan_half_fov : 0.5 * view.height;
     const long double aspect = static_cast<long double>(view.columns) / view.rows;
+    const long double across = 2 * half * aspect / view.columns, down = -2 * half / view.rows;
     const vec middle = origin + distance * forward;
     const long double spread = view.perspective ? distance : 1;
     long double widest = 0;
+    // A beam's share of how wide it is: b in orthographic views, w in perspective.
+    const auto widen = [&](Reals& table, std::size_t stride, std::size_t i, const std::pair<int, int>& lane, long double slope, const vec& axis) {
+      const long double by = 0.5L * (lane.second - lane.first) * std::fabs(slope);
+      for (int k = 0; k < 3; ++k) {
+        table.set_above((8 + k) * stride + i, view.perspective ? 0 : static_cast<double>(by * std::fabs(axis[k])));
+        table.set_above((11 + k) * stride + i, view.perspective ? static_cast<double>(by * std::fabs(axis[k])) : 0);
+      }
+    };
     for (std::size_t i = 0; i < column_stride; ++i) {
-      // Lanes past the last column repeat it.
-      const std::size_t column = std::min<std::size_t>(i, view.columns - 1);
+      const long double column = 0.5L * (column_lanes[i].first + column_lanes[i].second);
       const long double sx = (2 * (column + 0.5L + view.right_by) / view.columns - 1) * half * aspect;
       const vec p = spread * sx * right, d = view.perspective ? sx * right : vec(0);
       for (int k = 0; k < 3; ++k) {
@@ -38,10 +91,12 @@ class CameraTerms {
         columns.set((3 + k) * column_stride + i, static_cast<double>(d[k]));
       }
       columns.set(6 * column_stride + i, view.perspective ? static_cast<double>(sx * sx) : 0);
+      if (terms == kBeamTerms) widen(columns, column_stride, i, column_lanes[i], across, right);
       widest = std::max(widest, std::fabs(sx));
     }
     for (std::size_t row = 0; row < row_stride; ++row) {
-      const long double sy = (1 - 2 * (row + 0.5L + view.down_by) / view.rows) * half;
+      const long double line = 0.5L * (row_lanes[row].first + row_lanes[row].second);
+      const long double sy = (1 - 2 * (line + 0.5L + view.down_by) / view.rows) * half;
       const vec p = middle + spread * sy * up, d = view.perspective ? forward + sy * up : forward;
       for (int k = 0; k < 3; ++k) {
         rows.set(k * row_stride + row, static_cast<double>(p[k]));
@@ -49,9 +104,9 @@ class CameraTerms {
       }
       rows.set(6 * row_stride + row, view.perspective ? static_cast<double>(1 + sy * sy) : 1);
       rows.set(7 * row_stride + row, tau);
+      if (terms == kBeamTerms) widen(rows, row_stride, row, row_lanes[row], down, up);
       widest = std::max(widest, std::fabs(sy));
     }
-    const long double across = 2 * half * aspect / view.columns, down = -2 * half / view.rows;
     for (int k = 0; k < 3; ++k) {
       steps[k] = static_cast<double>(spread * across * right[k]);
       steps[3 + k] = view.perspective ? static_cast<double>(across * right[k]) : 0;
@@ -62,6 +117,7 @@ class CameraTerms {
     pad = static_cast<double>(4e-16L * (glm::length(origin) + std::fabs(distance) * (1 + 2 * widest) + 2 * widest));
   }
 
+ public:
   std::size_t column_stride, row_stride;
   Reals columns, rows;
   double tau, pad;

@@ -22,6 +22,7 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   // Brackets may reach a little out of the bounds.
   spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
+  spec.beams = entry == kernel::Entry::Camera && options.finder == "contract" && options.affine;
   return with_options(spec, options);
 }
 
@@ -29,7 +30,8 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
             device::Device& device, Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch) {
   const kernel::Spec spec = spec_of(program, bounds, options, device, precision,
                                     pixels ? kernel::Entry::PixelList : kernel::Entry::Camera);
-  const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
+  const Precision wide = spec.split ? Precision::Double : precision;
+  const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
                          : make_answer(view.columns, view.rows, spec.width, precision, options);

@@ -247,8 +247,15 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
     for (const auto* m : {&answer.depth, &answer.uncertainty, &answer.status}) args.emplace_back(output(**m));
   const std::size_t last_output = buffers.size();
   args.insert(args.end(), more.begin(), more.end());
+  std::size_t across = answer.pitch / spec.width, down = answer.rows;
+  if (spec.beams) {
+    const kernel::Tiling tiling(spec.width);
+    args.emplace_back(static_cast<std::int32_t>(answer.rows - 1));
+    across = (answer.pitch + tiling.across() - 1) / tiling.across();
+    down = (answer.rows + tiling.down() - 1) / tiling.down();
+  }
   device::Timing timing;
-  answer.outcome = device.run(*kernel, args, answer.pitch / spec.width, answer.rows, options.control, &timing);
+  answer.outcome = device.run(*kernel, args, across, down, options.control, &timing);
   answer.launch_seconds += timing.launch;
   answer.kernel_seconds += timing.kernel;
   for (std::size_t i = first_output; i < last_output; ++i) buffers[i]->read();

@@ -1,0 +1,93 @@
+// What a kernel writes for a packet of rays: statuses, depths, and what else was asked for. Only that is compiled.
+#if IRT_PIECES
+#define PIECES_DECL __global uint *pieces,
+#define PIECES_PASS pieces,
+#else
+#define PIECES_DECL
+#define PIECES_PASS
+#endif
+#define RESULTS_DECL NORMAL_DECL RGB_DECL PIECES_DECL __global real *depth, __global real *uncertainty, __global uchar *status
+#define RESULTS_PASS NORMAL_PASS RGB_PASS PIECES_PASS depth, uncertainty, status
+
+// Where the lanes of a packet lie: side by side, or in rows of four (beams.cl).
+#if IRT_BEAMS && W > 4
+typedef struct {
+  size_t row[PACKET_HEIGHT];
+} PLACE;
+#if W == 16
+#define PUT(T, v, to) \
+  do { \
+    const T put = v; \
+    vstore4(put.lo.lo, 0, (to) + at.row[0]); \
+    vstore4(put.lo.hi, 0, (to) + at.row[1]); \
+    vstore4(put.hi.lo, 0, (to) + at.row[2]); \
+    vstore4(put.hi.hi, 0, (to) + at.row[3]); \
+  } while (0)
+#else
+#define PUT(T, v, to) \
+  do { \
+    const T put = v; \
+    vstore4(put.lo, 0, (to) + at.row[0]); \
+    vstore4(put.hi, 0, (to) + at.row[1]); \
+  } while (0)
+#endif
+#else
+typedef size_t PLACE;
+#define PUT(T, v, to) STORE_AS(v, (to) + at)
+#endif
+
+// The same for rays that are known to miss.
+static inline void write_misses(const PLACE at, RESULTS_DECL) {
+  PUT(F, INF, depth);
+  PUT(BYTES, (BYTES)0, status);
+  PUT(F, (F)NAN, uncertainty);
+#if IRT_PIECES
+  PUT(UINT, (UINT)0, pieces);
+#endif
+#if IRT_NORMAL
+  PUT(FLOATS, (FLOATS)NAN, normal);
+  PUT(FLOATS, (FLOATS)NAN, normal + (size_t)plane);
+  PUT(FLOATS, (FLOATS)NAN, normal + 2 * (size_t)plane);
+#endif
+#if IRT_RGB
+  PUT(UINT, (UINT)background, rgba);
+#endif
+}
+
+static inline void write_results(const RAY* ray, const ROOT* root, const PLACE at, __global const real* q, RESULTS_DECL PARAMETERS) {
+  const I found = EQ(root->status, HIT) | EQ(root->status, TOUCH);
+  const F s = NARROW(root->at), t = max(NARROW((ray->tau + root->at) * ray->length), (F)0), length = NARROW(ray->length);
+  // Half the width of the bracket, and the rounding of t.
+#if IRT_SPLIT
+  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(0.75) * ULP * t + (F)POSITION_PAD);
+#else
+  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
+#endif
+  PUT(F, SELECT(EQ(root->status, MISS), INF, t), depth);
+  PUT(BYTES, TO_BYTES(root->status), status);
+#if IRT_PIECES
+  PUT(UINT, TO_UINT(root->pieces), pieces);
+#endif
+#if IRT_OUTWARD
+  PUT(F, SELECT(EQ(root->status, HIT), bracket, (F)NAN), uncertainty);
+#else
+  PUT(F, (F)NAN, uncertainty);
+#endif
+#if IRT_NORMAL || IRT_RGB
+  const F less = R(1.0) / length;
+  const F vx = -ray->dx * less, vy = -ray->dy * less, vz = -ray->dz * less;
+#if IRT_GRADIENT_FOUND
+  const NORMAL n = normal_along(root->gx, root->gy, root->gz, found, vx, vy, vz);
+#else
+  const NORMAL n = normal_at(ray, s, found, vx, vy, vz PARAMETERS_PASS);
+#endif
+#endif
+#if IRT_NORMAL
+  PUT(FLOATS, TO_FLOATS(n.x), normal);
+  PUT(FLOATS, TO_FLOATS(n.y), normal + (size_t)plane);
+  PUT(FLOATS, TO_FLOATS(n.z), normal + 2 * (size_t)plane);
+#endif
+#if IRT_RGB
+  PUT(UINT, shade(root->status, n.front, n.x, n.y, n.z, vx, vy, vz, background, q), rgba);
+#endif
+}
