@@ -2,16 +2,19 @@
 //
 // Deviations from S1: an integer counter of units takes the place of the floating modulus (a skipped piece [p, p + s)
 // leads to p + s and to the longest step that its lowest bit allows, but at most 2 s: a neighbour seldom allows more).
-// With IRT_OUTWARD a piece that is short enough is a candidate, not a hit. The piece skipped just before it tells the sign at
-// its start; the sign a little behind its end must be proven opposite, and f continuous between. Otherwise the bracket widens while
+// With IRT_OUTWARD a piece that is short enough is a candidate, not a hit. An affine form whose ends have proven opposite signs
+// (`crosses`) is one without another evaluation. Intervals cannot be excluded some pieces before the root already, and marching on in
+// ever smaller pieces took most of the time; so a window is opened there (IRT_ALONG, isolate.cl): where f is steady in it, Newton steps
+// prove that it has no root, or a bracket. Otherwise, and without windows, the piece skipped just before tells the sign at the
+// candidate's start; the sign a little behind its end must be proven opposite, and f continuous between. Else the bracket widens while
 // it stays within eps, then halving goes on to the floor of the precision, where it may widen further; what is still open is
 // TOUCH, or UNRESOLVED at a pole.
 //
 // A piece that lies outside the clip region (IRT_CLIP) is skipped as well, which tells nothing of f's sign at its end; and a
 // HIT needs its bracket inside.
 //
-// With IRT_OUTWARD f is evaluated at one place only, for lanes that march and lanes that prove alike: no lane waits for
-// another, and the driver compiles f once. Lanes that are done keep their position and step.
+// With IRT_OUTWARD f is evaluated at one place only, so that the driver compiles it once. Lanes at candidates wait until no lane marches;
+// then all of them open windows, cut, and prove together.
 #define MARGIN R(0.25)  // of a piece, beyond its end
 // From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
 // thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
@@ -21,6 +24,12 @@
 #else
 #define WIDENINGS 48
 #define WIDER R(1.25)
+#endif
+#if IRT_ALONG
+#define EARLY 2  // windows are opened at pieces of 2^EARLY times eps
+#define AHEAD 2  // and are 2^AHEAD pieces long
+#else
+#define EARLY 0
 #endif
 
 // Pieces that each lane has looked at, where the call asks for them.
@@ -34,43 +43,151 @@
 #define REPORT_COUNT
 #endif
 
-// The longest step whose piece is no wider than eps / share.
-static inline I stopping_step(const RAY* ray, const PATH* path, __global const real* q, real share) {
-  const F wanted = (F)EPS / (NARROW(ray->length) * path->unit) * ((R(1.0) - R(8.0) * ULP) / share);
-  return TO_I(POWER_OF_TWO_BELOW(clamp(wanted, (F)1, TO_F(PATH_END))));
+#define LOWEST_BIT(v) ((v) & -(v))
+
+#if IRT_ALONG
+// Windows end where a piece of `halt` units can begin.
+static inline I window_end(I position, I halt) { return min((position + (halt << AHEAD)) & -halt, PATH_END); }
+#endif
+
+// eps in units of the path, a little less for rounding; and the longest step that is no longer.
+static inline F wanted_units(const RAY* ray, const PATH* path, __global const real* q) {
+  return (F)EPS / (NARROW(ray->length) * path->unit) * (R(1.0) - R(8.0) * ULP);
 }
+static inline I longest_step(F wanted) { return TO_I(POWER_OF_TWO_BELOW(clamp(wanted, (F)1, TO_F(PATH_END)))); }
 
 #if IRT_OUTWARD
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
-  const F widest = (F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP);  // bracket
-  I stop = stopping_step(ray, &path, q, R(1.0) + MARGIN);
-  I active = LE(range->out0, range->out1), hits = NONE, open = NONE;
-  // Every lane begins by proving a sign where the path begins, with a step of nothing.
-  I position = NONE, step = NONE, tries = NONE, proving = ALL;
-  I above = NONE, below = NONE;  // the sign of f at `position`, or at in0 where that lies ahead, if it is known
+  const F wanted = wanted_units(ray, &path, q);
+  const I first_stop = longest_step(wanted / (R(1.0) + MARGIN)), first_halt = min(longest_step(wanted) << EARLY, PATH_END);
+  I stop = first_stop, halt = first_halt;
+  I active = LE(range->out0, range->out1), marching = active, proving = NONE, hits = NONE, open = NONE;
+  I position = NONE, step = PATH_END, tries = NONE;
+  I above = NONE, below = NONE;  // the sign of f at `position`, if it is known
+  I asked = NONE;                // the sign at the start has been asked for
   I wild = NONE;                 // the enclosure of the candidate is infinite
-  F margin = max(path.in0, (F)0);
+  F near = (F)0, far = (F)0, margin = (F)0;  // a bracket that is found; what is looked at behind a candidate
+#if IRT_ALONG
+  I cutting = NONE;
+  WINDOW window;
+  window.lo = window.hi = window.least = window.most = (F)0;
+  window.below = window.above = window.steady = window.rising = NONE;
+#endif
 #if IRT_PARTIAL || IRT_CLIP
   I checking = NONE;  // the signs are proven, continuity and lying inside the clip region are not yet
 #endif
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
-    const F from = TO_F(position), end = from + TO_F(step), behind = max(min(end + margin, path.in1), path.in0);
-#if IRT_PARTIAL || IRT_CLIP
-    const F a = SELECT(proving & ~checking, behind, from);
-#else
-    const F a = SELECT(proving, behind, from);
+    const F from = TO_F(position), end = from + TO_F(step);
+    F a = from, b = end;
+    const bool marches = ANY(marching);
+    if (!marches) {
+#if IRT_ALONG
+      if (!ANY(cutting | proving)) {
+        // All lanes wait at candidates.
+        const I last = window_end(position, halt);
+        window = open_window(&path, from, TO_F(last) PARAMETERS_PASS);
+        // Near the floor of the precision slopes drown in rounding before signs do.
+        window.steady &= GT(stop, (I)16);
+        window.below = SELECT(window.rising, below, above);
+        const I leaves = active & window.steady & SELECT(window.rising, above, below);
+        cutting = active & ~leaves;
+        position = SELECT(leaves, last, position);
+        step = SELECT(leaves, min(LOWEST_BIT(last), halt), step);
+        stop = SELECT(leaves, first_stop, stop);
+        halt = SELECT(leaves, first_halt, halt);
+        active &= ~(leaves & GE(last, PATH_END));
+        marching = active & leaves;
+        continue;
+      }
+      if (ANY(cutting)) {
+        a = b = R(0.5) * (window.lo + window.hi);
+      } else
 #endif
-    const F b = SELECT(proving, behind, end);
+      {
+        const F behind = max(min(end + margin, path.in1), path.in0);
+        const I start = ~((above | below) & GE(from, path.in0)) & ~asked;
+        b = SELECT(start, max(from, path.in0), behind);
+#if IRT_PARTIAL || IRT_CLIP
+        a = SELECT(checking, from, b);
+#else
+        a = b;
+#endif
+      }
+    }
     I undefined, rough;
     REGION_VARIABLES
     const FORM f = enclose(&path, a, b PARAMETERS_PASS, &undefined, &rough REGION_OUT);
     const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined;
-
-    const I starts = active & EQ(step, NONE), marches = active & ~proving, tried = active & proving & ~starts;
-    const I skips = marches & (is_above | is_below | undefined | outside), deeper = marches & ~skips, candidate = deeper & LE(step, stop);
+    if (marches) {
+      const I skips = marching & (is_above | is_below | undefined | outside), deeper = marching & ~skips, stops = deeper & LE(step, halt);
+      const I next = position + step, ended = skips & GE(next, PATH_END);
+      above = SELECT(skips, is_above, above);
+      below = SELECT(skips, is_below, below);
+      step = SELECT(skips, min(LOWEST_BIT(next), step << 1), SELECT(deeper & ~stops, step >> 1, step));
+      position = SELECT(skips, next, position);
+      active &= ~ended;
+      marching &= ~(ended | stops);
+      if (ANY(stops)) {
+        const I found = stops & crosses(f) & ~rough & inside & GE(from, path.in0) & LE(end, path.in1);
+        near = SELECT(found, from, near);
+        far = SELECT(found, end, far);
+        hits |= found;
+        active &= ~found;
+        wild = SELECT(stops, unbounded(f), wild);
+#if !IRT_ALONG
+        const I coarse = stops & ~found & GT(step, stop);
+        step = SELECT(coarse, step >> 1, step);
+        halt = SELECT(coarse, stop, halt);
+        marching |= coarse;
+        proving |= stops & ~found & ~coarse;
+        margin = SELECT(stops, MARGIN * TO_F(step), margin);
+        asked = SELECT(stops, NONE, asked);
+        tries = SELECT(stops, NONE, tries);
+#endif
+      }
+      continue;
+    }
+#if IRT_ALONG
+    if (ANY(cutting)) {
+      const I steady = cutting & window.steady, loose = cutting & ~steady, last = window_end(position, halt);
+      const F width = window.hi - window.lo, clear = free_units(&window, a, f);
+      const I passes = loose & GE(clear, a - from), dull = loose & ~passes, coarse = dull & GT(halt, stop), tries_behind = dull & ~coarse;
+      newton_cut(&window, a, f, steady);
+      const I gone = steady & GT(window.lo, window.hi), pinned = steady & ~gone & GE(window.lo, path.in0) & LE(window.hi, path.in1);
+      const I found = pinned & window.below & window.above & LE(window.hi - window.lo, wanted);
+      const I stuck = steady & ~gone & ~found & GT(window.hi - window.lo, R(0.75) * width);
+      near = SELECT(found, window.lo, near);
+      far = SELECT(found, window.hi, far);
+      // Where the march goes on, and the sign of f there, if it is known.
+      const I next = SELECT(passes, TO_I(floor(min(a + clear, TO_F(last)))) & -halt, SELECT(gone, last, max(position, TO_I(floor(window.lo)) & -max(stop >> 4, (I)1))));
+      const I before = (gone | stuck) & window.below & GE(window.lo, TO_F(next)) & GT(next, position), behind = gone & ~before & window.above;
+      const I moved = before | gone | passes, ended = (gone | passes) & GE(next, PATH_END), goes = gone | stuck | passes;
+      above = SELECT(moved, (passes & is_above) | (before & ~window.rising) | (behind & window.rising), above);
+      below = SELECT(moved, (passes & is_below) | (before & window.rising) | (behind & ~window.rising), below);
+      position = SELECT(goes, next, position);
+      step = SELECT(goes, min(LOWEST_BIT(next | PATH_END), SELECT(stuck, step, halt)), SELECT(coarse, min(step, max(halt >> 2, stop)), step));
+      stop = SELECT(gone | passes, first_stop, SELECT(stuck, max(stop >> 4, (I)1), stop));
+      halt = SELECT(gone | passes, first_halt, SELECT(stuck, stop, SELECT(coarse, max(halt >> 2, stop), halt)));
+      hits |= found;
+      active &= ~(found | ended);
+      marching |= (goes & ~ended) | coarse;
+      proving |= tries_behind;
+      margin = SELECT(tries_behind, MARGIN * TO_F(step), margin);
+      asked = SELECT(tries_behind, NONE, asked);
+      tries = SELECT(tries_behind, NONE, tries);
+      cutting &= ~(found | goes | dull);
+      continue;
+    }
+#endif
+    const F behind = b;
+    const I known = (above | below) & GE(from, path.in0), start = proving & ~known & ~asked;
+    const I tried = proving & ~start;
+    above = SELECT(start, is_above, above);
+    below = SELECT(start, is_below, below);
+    asked |= start;
     const I opposite = tried & ((above & is_below) | (below & is_above));
 #if IRT_PARTIAL || IRT_CLIP
     const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & (~opposite | checking);
@@ -78,29 +195,26 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #else
     const I proven = opposite, failed = tried & ~opposite;
 #endif
-    const I last = LE(step, (I)1), room = (above | below) & LE(R(2.0) * (behind - from), widest);
+    const I last = LE(step, (I)1), room = (above | below) & LE(R(2.0) * (behind - from), wanted);
     const I widens = failed & (last | room) & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
     const I gives_up = failed & last & ~widens, halves = failed & ~last & ~widens;
-    const I next = position + step, longest = next & -next;
+    near = SELECT(proven, max(from, path.in0), near);
+    far = SELECT(proven, behind, far);
     hits |= proven;
     open |= gives_up;
-    active &= ~(proven | gives_up | (skips & GE(next, PATH_END)));
-    wild = SELECT(candidate, unbounded(f), wild);
-    tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * (end - from), SELECT(widens, SELECT(last, WIDER * margin, margin + (behind - from)), margin));
-    stop = SELECT(halves, max(stop >> 4, (I)1), stop);
-    // What lies before in0 may lie outside the bounds: a change of sign there would be no hit.
-    const I counts = starts | (skips & GE(TO_F(next), path.in0));
-    above = SELECT(counts, is_above, above);
-    below = SELECT(counts, is_below, below);
-    proving = SELECT(starts | halves, NONE, proving | candidate);
-    step = SELECT(skips, min(longest, step << 1), SELECT((deeper & ~candidate) | halves, step >> 1, SELECT(starts, PATH_END, step)));
-    position = SELECT(skips, next, position);
+    tries -= widens;
+    margin = SELECT(widens, SELECT(last, WIDER * margin, margin + (behind - from)), margin);
+    stop = SELECT(halves, max(stop >> 1, (I)1), stop);
+    halt = SELECT(halves, stop, halt);
+    step = SELECT(halves, step >> 1, step);
+    active &= ~(proven | gives_up);
+    marching = halves;
+    proving &= ~(proven | gives_up | halves);
   }
   // Lanes that are still active have spent their budget.
   const F from = TO_F(position), end = from + TO_F(step);
   const I status = SELECT(hits, HIT, SELECT(open & ~wild, TOUCH, SELECT(open | active, UNRESOLVED, MISS)));
-  ROOT root = report(&path, q, status, from, SELECT(hits, min(end + margin, path.in1), end));
+  ROOT root = report(&path, q, status, SELECT(hits, near, from), SELECT(hits, far, end));
   REPORT_COUNT
   return root;
 }
@@ -108,7 +222,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 // As the paper does: the first piece that is short enough ends the search. HIT where the computed signs at its ends differ.
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
-  const I stop = stopping_step(ray, &path, q, R(1.0));
+  const I stop = longest_step(wanted_units(ray, &path, q));
   I active = LE(range->out0, range->out1), open = NONE;
   I position = NONE, step = PATH_END, undefined, rough;
   COUNT_FROM_HERE

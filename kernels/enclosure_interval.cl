@@ -16,3 +16,24 @@ static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefin
                       PARAMETERS_PASS, undefined, rough REGION_PASS);
 }
 
+#if IRT_ALONG
+// How a coordinate changes along the whole path. The path of a coordinate errs by e at either end, so its slope by twice that.
+static inline IA direction(F u, F e) {
+  const F d = u * TO_F(PATH_END);
+#if IRT_OUTWARD
+  const F off = fma((F)(R(2.0) * ULP), fabs(d), R(2.5) * e);
+#else
+  const F off = (F)0;
+#endif
+  return ia(d - off, d + off);
+}
+
+// The derivative of f over the piece, in units of the whole path.
+static inline IA slope(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough) {
+  return irt_along(coordinate(ALONG(path, x, from), ALONG(path, x, to), path->ex),
+                   coordinate(ALONG(path, y, from), ALONG(path, y, to), path->ey),
+                   coordinate(ALONG(path, z, from), ALONG(path, z, to), path->ez),
+                   direction(path->ux, path->ex), direction(path->uy, path->ey), direction(path->uz, path->ez)
+                   PARAMETERS_PASS, undefined, rough);
+}
+#endif

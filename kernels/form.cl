@@ -7,6 +7,7 @@ static inline I nonzero(FORM f) { return GT(f.lo, (F)0) | LT(f.hi, (F)0); }
 static inline F leaning(FORM f) { return SELECT(GT(f.lo, (F)0), (F)1, (F)-1); }  // of a proven sign
 #define BEFORE(f) ((F)0)
 #define BEHIND(f) ((F)0)
+static inline I crosses(FORM f) { return NONE; }
 #else
 #if IRT_OUTWARD
 #define CERTAIN(v) ((v) * (R(1.0) - R(3.0) * ULP))  // covers the rounding of |y| + z
@@ -21,4 +22,6 @@ static inline F leaning(FORM f) { return f.x; }
 // The middle of the form at the start and at the end of the piece.
 #define BEFORE(f) ((f).x - (f).y)
 #define BEHIND(f) ((f).x + (f).y)
+// The signs at the ends of the piece are opposite: at e = -1 and 1 the form is x - y and x + y, to within z.
+static inline I crosses(FORM f) { return GT(CERTAIN(fabs(f.y)), fabs(f.x) + f.z); }
 #endif

@@ -41,6 +41,7 @@ std::string prelude(const Spec& spec) {
     define("IRT_NORMAL", spec.normal);
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
+    define("IRT_ALONG", spec.along);
     define("IRT_SPLIT", spec.split);
     define("IRT_BEAMS", spec.beams);
     if (spec.beams) {
@@ -108,9 +109,18 @@ constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "int
 
 std::string included(const std::string& name) { return fmt::format("\n// ---- {}\n", name) + library_file(name); }
 
-// The formula as an enclosure, with the arithmetic that it needs.
+// The formula as an enclosure, with the arithmetic that it needs; and its derivative along the ray.
 std::string enclosures(const program::Program& program, const Spec& spec) {
-  program::Emitted f = spec.affine ? program::emit_affine(program, spec.precision, spec.infinite) : program::emit_interval(program, spec.precision);
+  const auto emit = [&](const program::Program& p) {
+    return spec.affine ? program::emit_affine(p, spec.precision, spec.infinite) : program::emit_interval(p, spec.precision);
+  };
+  program::Emitted f = emit(program);
+  if (spec.along) {
+    program::Emitted d = emit(program::along(program).value());
+    f.files.merge(d.files);
+    f.functions.merge(d.functions);
+    f.source += d.source;
+  }
   // Files that others build on.
   if (f.files.count("affine_trigonometric.cl")) f.files.insert({"affine_divide.cl", "interval_trigonometric.cl"});
   if (f.files.count("affine_real_power.cl")) f.files.insert({"affine_exponential.cl", "interval_power.cl"});
@@ -123,7 +133,9 @@ std::string enclosures(const program::Program& program, const Spec& spec) {
   for (const char* name : kArithmetic)
     if (f.files.count(name)) text += included(name);
   const bool range = !spec.affine || f.range_result;
-  return text + fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0) + f.source;
+  text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0);
+  for (const std::string& function : f.functions) text += function;
+  return text + f.source;
 }
 
 std::string values(const program::Program& program, const Spec& spec) { return "\n" + program::emit_value(program, spec.precision).source; }
@@ -141,7 +153,11 @@ struct Reader {
 };
 
 const Reader kReaders[] = {
-    {"enclosures", enclosures, [](const Spec& s) -> std::vector<std::string> { return {s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl", "form.cl"}; }},
+    {"enclosures", enclosures, [](const Spec& s) -> std::vector<std::string> {
+       std::vector<std::string> files{s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl", "form.cl"};
+       if (s.along) files.push_back("isolate.cl");
+       return files;
+     }},
     {"values", values, [](const Spec&) -> std::vector<std::string> { return {"values.cl"}; }},
     {"slopes", slopes, [](const Spec&) -> std::vector<std::string> { return {"values.cl", "slopes.cl"}; }},
     {"gradients", values, [](const Spec&) -> std::vector<std::string> { return {"values.cl", "gradients.cl"}; }, true},

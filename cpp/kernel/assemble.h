@@ -45,6 +45,7 @@ struct Spec {
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray
   bool beams = false;    // the camera's rays start where beams end; needs kernels/contract.cl
+  bool along = false;    // with the derivative along the ray (program::along), by which roots are isolated
   // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.
   int degree = 0, tile = 0;
 };

@@ -18,6 +18,7 @@ struct Emitted {
   std::string source;
   std::set<std::string> files;
   bool range_result = false;  // emit_affine: the result is an interval (IA), not a form
+  std::set<std::string> functions{};  // that the source calls, each a definition; programs of one kernel may share them
 };
 
 // static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS), the last being
@@ -35,6 +36,9 @@ Emitted emit_value(const Program& program, Precision precision);
 // static inline F irt_slope(F x, F y, F z, F dx, F dy, F dz PARAMETERS, F* slope): the value, and the exact derivative along the
 // direction by forward accumulation.
 Emitted emit_slope(const Program& program, Precision precision);
+
+// Of programs made by `along`, either algebra emits the range of the derivative, from coordinates and their changes:
+// static inline IA irt_along(T x, T y, T z, T dx, T dy, T dz PARAMETERS, I* undefined, I* rough), T being IA or RA.
 
 // static inline F irt_gradient(F x, F y, F z PARAMETERS, F* gx, F* gy, F* gz): the value, and the exact gradient by
 // reverse accumulation.

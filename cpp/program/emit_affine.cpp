@@ -22,16 +22,14 @@ class AffineEmitter {
     out_.files = {"interval.cl", "affine.cl"};
     for (Value v = 0; v < static_cast<Value>(program_.code.size()); ++v)
       if (!program_.is_constant(v) || v == program_.result) emit(v);
-    const bool ranged = only_range(program_.result) || endless_[static_cast<std::size_t>(program_.result)];
+    const bool ranged = program_.derivative || only_range(program_.result) || endless_[static_cast<std::size_t>(program_.result)];
     const std::string result = ranged ? range(program_.result) : form(program_.result);
     out_.range_result = ranged;
     const std::string region = range(program_.clip), numerator = range(program_.numerator);
-    std::string functions;
-    for (long n : powers_) functions += power_function(n);
-    out_.source = functions + taylor_functions(program_, precision_) +
-                  "// Affine enclosure over a piece of ray.\n"
-                  "static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {\n" +
-                  text_ + finish_masks(program_) + finish_region(program_, region, numerator) + fmt::format("  return {};\n}}\n", result);
+    out_.functions = taylor_functions(program_, precision_);
+    for (long n : powers_) out_.functions.insert(power_function(n));
+    out_.source = enclosure_head(program_, "RA") + text_ + finish_masks(program_) + finish_region(program_, region, numerator) +
+                  fmt::format("  return {};\n}}\n", result);
     return std::move(out_);
   }
 
@@ -128,7 +126,7 @@ class AffineEmitter {
     const Instruction& in = program_[v];
     const Operator& op = describe(in.code);
     switch (in.code) {
-      case Code::Coordinate: return define(v, std::string(1, "xyz"[in.index]));
+      case Code::Coordinate: return define(v, coordinate(in.index));
       case Code::Parameter: return define_range(v, fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1));
       case Code::Constant: return define_range(v, range(v));
       case Code::Add:

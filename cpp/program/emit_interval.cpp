@@ -27,7 +27,7 @@ std::string interval_rule(const Program& program, Value v, const std::string& a,
   const Operator& op = describe(in.code);
   switch (in.code) {
     case Code::Constant: return constant_operand(program, v, precision);
-    case Code::Coordinate: return std::string(1, "xyz"[in.index]);
+    case Code::Coordinate: return coordinate(in.index);
     case Code::Parameter: return fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1);
     case Code::Add:
       if (program.is_constant(in.b)) {
@@ -61,9 +61,7 @@ std::string interval_rule(const Program& program, Value v, const std::string& a,
 
 Emitted emit_interval(const Program& program, Precision precision) {
   Emitted out;
-  std::string text =
-      "// Interval enclosure over a box.\n"
-      "static inline IA irt_interval(IA x, IA y, IA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {\n";
+  std::string text = enclosure_head(program, "IA");
   std::set<long> powers;
   std::set<std::string> real_powers;
   out.files.insert("interval.cl");
@@ -82,9 +80,9 @@ Emitted emit_interval(const Program& program, Precision precision) {
     emit_inherited(program, v, text);
   }
   text += finish_masks(program) + finish_region(program, operand(program.clip), operand(program.numerator)) + fmt::format("  return {};\n}}\n", name(program.result));
-  std::string functions;
-  for (long n : powers) functions += power_function(n);
-  out.source = functions + taylor_functions(program, precision) + text;
+  out.functions = taylor_functions(program, precision);
+  for (long n : powers) out.functions.insert(power_function(n));
+  out.source = text;
   return out;
 }
 

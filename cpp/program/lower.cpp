@@ -61,7 +61,7 @@ class Lowering {
       program_.result = binary(Code::Sub, program_.result, iso);
       if (whole) program_.numerator = binary(Code::Sub, program_.numerator, binary(Code::Mul, iso, value_of(whole->denominator)));
     }
-    prune();
+    prune(program_);
     return std::move(program_);
   }
 
@@ -381,32 +381,6 @@ class Lowering {
     }
     throw ExpressionError("unknown operator");
   }
-
-  // Drops what the result does not need and renumbers.
-  void prune() {
-    std::vector<char> live(program_.code.size(), 0);
-    for (Value v : {program_.result, program_.clip, program_.numerator})
-      if (v >= 0) live[static_cast<std::size_t>(v)] = 1;
-    for (std::size_t i = program_.code.size(); i-- > 0;) {
-      if (!live[i]) continue;
-      const Instruction& in = program_.code[i];
-      for (Value v : {in.a, in.b, in.c})
-        if (v >= 0) live[static_cast<std::size_t>(v)] = 1;
-    }
-    std::vector<Value> renamed(program_.code.size(), -1);
-    std::vector<Instruction> kept;
-    for (std::size_t i = 0; i < program_.code.size(); ++i) {
-      if (!live[i]) continue;
-      Instruction in = program_.code[i];
-      for (Value* v : {&in.a, &in.b, &in.c})
-        if (*v >= 0) *v = renamed[static_cast<std::size_t>(*v)];
-      renamed[i] = static_cast<Value>(kept.size());
-      kept.push_back(in);
-    }
-    for (Value* v : {&program_.result, &program_.clip, &program_.numerator})
-      if (*v >= 0) *v = renamed[static_cast<std::size_t>(*v)];
-    program_.code = std::move(kept);
-  }
 };
 
 }  // namespace
@@ -415,6 +389,31 @@ Program lower(const Expr& f, bool isovalue, const Expr* g, bool poles) {
   if (f.is_condition() || (g && g->is_condition()))
     throw ExpressionError("a condition is not a formula; use Piecewise to give it values");
   return Lowering().run(f, isovalue, g, poles);
+}
+
+void prune(Program& program) {
+  std::vector<char> live(program.code.size(), 0);
+  for (Value v : {program.result, program.clip, program.numerator, program.function})
+    if (v >= 0) live[static_cast<std::size_t>(v)] = 1;
+  for (std::size_t i = program.code.size(); i-- > 0;) {
+    if (!live[i]) continue;
+    const Instruction& in = program.code[i];
+    for (Value v : {in.a, in.b, in.c})
+      if (v >= 0) live[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<Value> renamed(program.code.size(), -1);
+  std::vector<Instruction> kept;
+  for (std::size_t i = 0; i < program.code.size(); ++i) {
+    if (!live[i]) continue;
+    Instruction in = program.code[i];
+    for (Value* v : {&in.a, &in.b, &in.c})
+      if (*v >= 0) *v = renamed[static_cast<std::size_t>(*v)];
+    renamed[i] = static_cast<Value>(kept.size());
+    kept.push_back(in);
+  }
+  for (Value* v : {&program.result, &program.clip, &program.numerator, &program.function})
+    if (*v >= 0) *v = renamed[static_cast<std::size_t>(*v)];
+  program.code = std::move(kept);
 }
 
 }  // namespace irt::program

@@ -19,7 +19,8 @@ double magnitude(const Program& program, const double coordinates[3], const std:
     double r = 0;
     switch (in.code) {
       case Code::Constant: r = std::max(std::fabs(in.value.lo), std::fabs(in.value.hi)); break;
-      case Code::Coordinate: r = coordinates[in.index]; break;
+      // Slopes are those along a whole path, which is no longer than the bounds and a little more.
+      case Code::Coordinate: r = in.index < 3 ? coordinates[in.index] : 4 * coordinates[in.index - 3]; break;
       case Code::Parameter: r = parameters[static_cast<std::size_t>(in.index)]; break;
       case Code::Neg: r = a; break;
       case Code::Add:

@@ -93,8 +93,11 @@ void emit_inherited(const Program& program, Value v, std::string& text) {
 }
 
 std::string finish_masks(const Program& program) {
-  return fmt::format("  *undefined = {};\n  *rough = {};\n", mask_or_none(program, program.result, 'u'),
-                     mask_or_none(program, program.result, 'r'));
+  const auto both = [&](char kind) {
+    const std::string result = mask_or_none(program, program.result, kind);
+    return program.function < 0 ? result : result + " | " + mask_or_none(program, program.function, kind);
+  };
+  return fmt::format("  *undefined = {};\n  *rough = {};\n", both('u'), both('r'));
 }
 
 std::string finish_region(const Program& program, const std::string& clip, const std::string& numerator) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace irt::program {
 
 enum class Code : std::uint8_t {
   Constant,    // value
-  Coordinate,  // index 0, 1, 2: x, y, z
+  Coordinate,  // index 0, 1, 2: x, y, z; 3, 4, 5: how they change along a ray (along)
   Parameter,   // index into Program::parameters
   Neg,
   Add,
@@ -79,6 +80,8 @@ struct Program {
   Value result = 0;
   Value numerator = -1;                 // where this is not zero, f is not (expr/fraction.h); -1: f has no poles to see through
   Value clip = -1;                      // where this is above zero, zeros of the result do not count; -1: they do everywhere
+  bool derivative = false;              // made by `along`
+  Value function = -1;                  // what the result is the derivative of, where that may be undefined or jump
   std::vector<std::string> parameters;  // sorted by name
   std::vector<std::vector<numerics::Bounds>> polynomials;  // coefficients, lowest first
   bool isovalue = false;                // one more input, after the parameters
@@ -94,6 +97,13 @@ struct Program {
 // The program of f, or of f - isovalue with the isovalue as one more parameter; and of g, where zeros of f count only if
 // g <= 0; with the numerator of f where `poles` asks for it and there is one. Symbols of both other than x, y, z are parameters. Throws LimitError past limits::kOperations.
 Program lower(const Expr& f, bool isovalue = false, const Expr* g = nullptr, bool poles = false);
+
+// The derivative of the result along a ray, or nothing where no rule gives one. Its enclosure over a piece of ray holds all slopes of f
+// there if neither it nor f is rough: at kinks (Abs, Min, Max) the derivative jumps, at jumps f does.
+std::optional<Program> along(const Program& program);
+
+// Drops what no result needs and renumbers.
+void prune(Program& program);
 
 // An upper bound of the magnitude of every intermediate value, for interval and affine forms alike, where the
 // coordinates stay below `coordinates` and the parameters below `parameters`; infinity where a value has no bound

@@ -82,15 +82,28 @@ std::string power_function(long n) {
   return fmt::format("static inline F power_{0}(F a) {{\n{1}  return r;\n}}\n", n, power_chain("a", n, "r"));
 }
 
-std::string taylor_functions(const Program& program, Precision precision) {
-  std::string text;
-  for (std::size_t i = 0; i < program.polynomials.size(); ++i) {
+std::set<std::string> taylor_functions(const Program& program, Precision precision) {
+  std::set<std::string> functions;
+  for (const Instruction& in : program.code) {
+    if (in.code != Code::Polynomial) continue;
     std::string coefficients;
-    for (const auto& c : program.polynomials[i]) coefficients += (coefficients.empty() ? "(F)" : ", (F)") + literal(nearest(c, precision));
-    text += fmt::format("static inline TAYLOR taylor_{}(F c, F r) {{\n  F t[] = {{{}}};\n  return taylor_form(t, {}, c, r);\n}}\n", i, coefficients,
-                        program.polynomials[i].size() - 1);
+    const auto& polynomial = program.polynomials[static_cast<std::size_t>(in.index)];
+    for (const auto& c : polynomial) coefficients += (coefficients.empty() ? "(F)" : ", (F)") + literal(nearest(c, precision));
+    functions.insert(fmt::format("static inline TAYLOR taylor_{}(F c, F r) {{\n  F t[] = {{{}}};\n  return taylor_form(t, {}, c, r);\n}}\n", in.index,
+                                 coefficients, polynomial.size() - 1));
   }
-  return text;
+  return functions;
+}
+
+std::string coordinate(std::int64_t index) { return (index < 3 ? "" : "d") + std::string(1, "xyz"[index % 3]); }
+
+std::string enclosure_head(const Program& program, const char* type) {
+  const bool range = std::string_view(type) == "IA";
+  if (program.derivative)
+    return fmt::format("// The derivative of f along a piece of ray.\n"
+                       "static inline IA irt_along({0} x, {0} y, {0} z, {0} dx, {0} dy, {0} dz PARAMETERS, I* undefined, I* rough) {{\n", type);
+  return fmt::format("// {2}\nstatic inline {1} irt_{3}({0} x, {0} y, {0} z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {{\n", type,
+                     range ? "IA" : "FORM", range ? "Interval enclosure over a box." : "Affine enclosure over a piece of ray.", range ? "interval" : "affine");
 }
 
 std::string name(Value v, char prefix) { return fmt::format("{}{}", prefix, v); }

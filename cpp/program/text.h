@@ -28,8 +28,14 @@ std::string power_chain(const std::string& base, long n, const std::string& resu
 // "static inline F power_<n>(F a) { ... }"
 std::string power_function(long n);
 
-// For each polynomial, "static inline TAYLOR taylor_<index>(F c, F r) { ... }" (kernels/polynomial.cl).
-std::string taylor_functions(const Program& program, Precision precision);
+// For each polynomial that is used, "static inline TAYLOR taylor_<index>(F c, F r) { ... }" (kernels/polynomial.cl).
+std::set<std::string> taylor_functions(const Program& program, Precision precision);
+
+// "x" to "z" and "dx" to "dz".
+std::string coordinate(std::int64_t index);
+
+// The head of the function that encloses the program's result, values being `type` (IA or RA).
+std::string enclosure_head(const Program& program, const char* type);
 
 // The name of a value in generated code, "v12"; "q12" is its range where forms and ranges stand side by side.
 std::string name(Value v, char prefix = 'v');

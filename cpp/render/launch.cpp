@@ -130,6 +130,17 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
   return !(program::magnitude(program, at, parameters) < (precision == program::Precision::Double ? 1e300 : 1e36));
 }
 
+void set_enclosures(kernel::Spec& spec, const program::Program& program, const Bounds& bounds, const Options& options) {
+  // Brackets may reach a little out of the bounds.
+  const glm::dvec3 coordinates = 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
+  spec.infinite = needs_infinities(program, coordinates, options, spec.precision);
+  // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
+  // where a clip formula is to be proven along with each bracket.
+  if (options.affine || !options.outward || options.finder != "bisection" || program.has_region()) return;
+  const auto derivative = program::along(program);
+  spec.along = derivative && (spec.infinite || !needs_infinities(*derivative, coordinates, options, spec.precision));
+}
+
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
   Reals ends(precision, 2 * program.inputs());
   for (std::size_t i = 0; i < program.inputs(); ++i) {

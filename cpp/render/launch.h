@@ -20,6 +20,9 @@ bool splits(const device::Device& device, const Options& options, program::Preci
 bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
                       program::Precision precision);
 
+// What of a specification depends on the values of f: infinities, and whether the derivative along the ray helps.
+void set_enclosures(kernel::Spec& spec, const program::Program& program, const Bounds& bounds, const Options& options);
+
 // Lower and upper ends of each parameter, rounded outward.
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision);
 

@@ -15,7 +15,7 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   spec.split = splits(device, options, precision);
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
-  spec.infinite = needs_infinities(program, 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)), options, precision);
+  set_enclosures(spec, program, bounds, options);
   return with_options(spec, options);
 }
 

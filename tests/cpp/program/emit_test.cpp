@@ -50,6 +50,19 @@ TEST(Lower, DivisionStaysDivision) {
   EXPECT_EQ(count(lower(parse("3/y")), Code::Recip), 1);
 }
 
+TEST(Along, DerivativesShareWhatTheyCanAndMarkKinks) {
+  const Program p = along(lower(parse("sin(x*y) + x^3"))).value();
+  EXPECT_EQ(count(p, Code::Cos), 1);
+  EXPECT_EQ(count(p, Code::Sin), 0);
+  EXPECT_TRUE(p.derivative);
+  EXPECT_LT(p.function, 0);
+  EXPECT_EQ(count(along(lower(parse("Abs(x) + y"))).value(), Code::Sign), 1);
+  // The slope of x + floor(x) is that of x; that it jumps is told by the function itself.
+  const Program jumps = along(lower(parse("x + floor(x)"))).value();
+  EXPECT_EQ(count(jumps, Code::Floor), 1);
+  EXPECT_GE(jumps.function, 0);
+}
+
 std::string source(const char* text, bool affine, bool normal) {
   kernel::set_directory(IRT_KERNEL_DIR);
   return kernel::assemble(lower(parse(text)), {.affine = affine, .normal = normal});
