@@ -23,23 +23,42 @@ FORMULAS = (
 
 
 def main() -> None:
-    """Prints the table: medians of five formulas that differ in a number, 640 x 480, precision "single" and "auto"; a is a parameter."""
+    """Prints the table: medians of five formulas that differ in a number, 640 x 480, by contraction and by "auto"; a is a parameter."""
     irt.render("x", size=(8, 8))
     lines = []
+    parts = ("parse", "build", "launch", "kernel", "total")
     for text in FORMULAS:
-        for precision in ("single", "auto"):
-            seconds = [
+        for method, precision in (("contract", "single"), ("contract", "auto"), ("auto", "auto")):
+            stats = [
                 irt.render(
                     text.format(random.uniform(0.2, 0.9)),
                     size=(640, 480),
+                    method=method,
                     precision=precision,
                     params={"a": 0.7} if "a*" in text else {},
-                ).stats.seconds
+                ).stats
                 for _ in range(5)
             ]
-            parts = ("parse", "build", "launch", "kernel", "total")
-            lines.append((text, precision, *(f"{1e3 * statistics.median(s[p] for s in seconds):.0f}" for p in parts)))
-    print(table(("formula", "precision", "parse ms", "build ms", "first launch ms", "kernel ms", "together ms"), lines))
+            medians = (f"{1e3 * statistics.median(s.seconds[p] for s in stats):.0f}" for p in parts)
+            lines.append(
+                (text, stats[0].method, precision, *medians, f"{1e3 * max(s.seconds['total'] for s in stats):.0f}")
+            )
+    print(
+        table(
+            (
+                "formula",
+                "method",
+                "precision",
+                "parse ms",
+                "build ms",
+                "first launch ms",
+                "kernel ms",
+                "together ms",
+                "longest",
+            ),
+            lines,
+        )
+    )
 
 
 if __name__ == "__main__":

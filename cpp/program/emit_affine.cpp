@@ -130,7 +130,12 @@ class AffineEmitter {
       case Code::Parameter: return define_range(v, fmt::format("ia((F)p[{}], (F)p[{}])", 2 * in.index, 2 * in.index + 1));
       case Code::Constant: return define_range(v, range(v));
       case Code::Add:
-        if (program_.is_constant(in.b)) return define(v, shift(in.a, program_[in.b].value));
+        if (program_.is_constant(in.b)) {
+          // A constant past the largest real is a range, and so is what it is added to.
+          if (std::isinf(nearest(program_[in.b].value, precision_)))
+            return define_range(v, interval_rule(program_, v, range(in.a), range(in.b), precision_, powers_));
+          return define(v, shift(in.a, program_[in.b].value));
+        }
         break;
       case Code::Mul:
         if (program_.is_constant(in.a)) return define(v, scale(in.b, program_[in.a].value));

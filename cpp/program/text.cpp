@@ -10,7 +10,7 @@
 namespace irt::program {
 
 std::string literal(double v) {
-  if (std::isinf(v)) return v > 0 ? "INF" : "(-INF)";
+  if (std::isinf(v)) return v > 0 ? "((real)INFINITY)" : "(-(real)INFINITY)";
   char text[64];
   if (v == std::floor(v) && std::fabs(v) < 1e6) {
     std::snprintf(text, sizeof text, "%.1f", v);

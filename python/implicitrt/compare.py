@@ -106,12 +106,14 @@ class Comparison:
         return front
 
     def plot(self, path: str | Path | None = None) -> Any:
-        """Largest error against time, a panel for each formula, a line for each method; rings mark the Pareto front.
+        """Largest error against time, a panel for each formula, a line for each method, dashed where it proves nothing; rings mark the
+        Pareto front.
 
         Returns:
             the Matplotlib figure, saved to `path` where one is given.
         """
         try:
+            from matplotlib import colormaps
             from matplotlib.figure import Figure
         except ImportError:
             raise ArgumentError(
@@ -125,12 +127,14 @@ class Comparison:
         figure = Figure(figsize=(4.6 * columns, 3.6 * rows), layout="constrained")
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         kinds = list(dict.fromkeys(p.method for p in self.points))
+        colors = colormaps["tab20"].colors  # type: ignore[attr-defined]
+        proven = {name for name, m in known_methods().items() if m.guarantee == "inclusion"}
         for panel, name in zip(panels, names, strict=False):
             for k, method in enumerate(kinds):
                 line = sorted((p for p in self.points if (p.formula, p.method) == (name, method)), key=lambda p: -p.eps)
                 if line:
-                    panel.plot([p.milliseconds for p in line], [max(p.largest_error, 1e-16) for p in line], marker="o",
-                               markersize=3.5, color=f"C{k}", label=method)  # fmt: skip
+                    panel.plot([p.milliseconds for p in line], [max(p.largest_error, 1e-16) for p in line], marker="o", markersize=3.5,
+                               color=colors[k % len(colors)], linestyle="-" if method in proven else "--", label=method)  # fmt: skip
                     wrong = [p for p in line if p.wrong_misses or p.wrong_hits]
                     panel.plot(
                         [p.milliseconds for p in wrong], [max(p.largest_error, 1e-16) for p in wrong], "x", color="red"
@@ -140,9 +144,10 @@ class Comparison:
                        fillstyle="none", color="0.3")  # fmt: skip
             panel.set(xscale="log", yscale="log", title=name[:40], xlabel="ms per frame", ylabel="largest depth error")
             panel.grid(True, which="both", alpha=0.25)
-            panel.legend(fontsize="small")
         for panel in panels[len(names) :]:
             panel.set_visible(False)
+        lines = {text: line for p in panels for line, text in zip(*p.get_legend_handles_labels(), strict=True)}
+        figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=4 * columns, fontsize="small")
         figure.suptitle(
             f"{self.size[0]} x {self.size[1]}, {self.device}; rings: Pareto front, red: wrong statuses",
             fontsize="small",

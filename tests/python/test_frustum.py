@@ -104,6 +104,12 @@ def test_what_is_refused(f: str) -> None:
         irt.render(f, size=(8, 8), method="frustum-lr")
 
 
+def test_a_named_surface_of_degree_200_is_refused_and_drawn_otherwise() -> None:
+    with pytest.raises(irt.MethodError, match="degree 200"):
+        irt.render(irt.surfaces["superquadric_200"], size=(8, 8), method="frustum-newton")
+    assert irt.render(irt.surfaces["superquadric_200"], size=(8, 8)).stats.method == "ia"
+
+
 def test_insertions_differ_as_in_the_paper() -> None:
     """S2 table 2: halving takes more steps than zeros of the control polygon, knots more than pieces of what they replace."""
     mean = {

@@ -146,6 +146,15 @@ def test_poles_of_quotients_are_seen_through(formula: str, method: str) -> None:
     assert truth.hit.any() and (frame.status == Status.MISS).any()
 
 
+@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("formula", ["x + 1e300", "x^2 + 1e39", "x - 1e300*y + 1e300", "1e300 - 1e300*x^2 + z"])
+def test_constants_past_the_largest_real(formula: str, method: str) -> None:
+    frame = irt.render(formula, size=(24, 24), method=method, outputs=())
+    truth = irt.reference(formula, size=(24, 24))
+    assert not (truth.hit & (frame.status == Status.MISS)).any()
+    assert not ((truth.kind == Status.MISS) & (frame.status == Status.HIT)).any()
+
+
 def test_poles_with_an_isovalue() -> None:
     at = [irt.trace("1/x", [[-1, 0.1, 0.2]], [[1, 0, 0]], tmax=3, bounds=2, isovalue=v) for v in (2, 4)]
     assert np.allclose([hits.t[0] for hits in at], [1.5, 1.25], atol=1e-3)
