@@ -1,8 +1,6 @@
 """What beams bring to `contract` in dense and in sparse views: milliseconds with and without them, and what is left for the rays.
 
-    python benchmarks/beams.py [--size 1024]
-
-Rays of a list have no beams, so `trace` of the camera's rays is what the frame, with normals, is compared with.
+    python benchmarks/beams.py [--size 512]
 """
 
 from __future__ import annotations
@@ -30,17 +28,14 @@ def main() -> None:
     for name, camera, bounds in VIEWS:
         surface = irt.surfaces[name]
         camera, bounds = camera or surface.camera, bounds or surface.bounds
-        keywords = {"bounds": bounds, "method": "contract", "precision": "single", "eps": 1e-4}
-        frame = irt.render(surface, camera=camera, size=(size, size), outputs=("pieces",), **keywords)
-        origins, directions = (a.reshape(-1, 3) for a in camera.rays((size, size)))
+        keywords = {"bounds": bounds, "precision": "single", "eps": 1e-4}
+        frame = irt.render(surface, camera=camera, size=(size, size), method=irt.Contraction(beams=True), outputs=("pieces",), **keywords)
 
-        def beams(surface=surface, camera=camera, keywords=keywords) -> float:
-            return irt.render(surface, camera=camera, size=(size, size), outputs=("normal",), **keywords).stats.seconds["kernel"]
+        def seconds(beams: bool, surface=surface, camera=camera, keywords=keywords) -> float:
+            method = irt.Contraction(beams=beams)
+            return irt.render(surface, camera=camera, size=(size, size), method=method, outputs=("normal",), **keywords).stats.seconds["kernel"]
 
-        def rays(surface=surface, origins=origins, directions=directions, keywords=keywords) -> float:
-            return irt.trace(surface, origins, directions, **keywords).stats.seconds["kernel"]
-
-        ms, without = 1e3 * median_seconds(beams), 1e3 * median_seconds(rays)
+        ms, without = (1e3 * median_seconds(lambda on=on: seconds(on)) for on in (True, False))
         pieces = frame.pieces.reshape(size // 4, 4, size // 4, 4).max(axis=(1, 3))
         rows.append(
             (name, f"{frame.hit.mean():.2f}", f"{np.mean(pieces > 0):.2f}", f"{frame.pieces.mean():.2f}", f"{without:.1f}", f"{ms:.1f}", f"{without / ms:.2f}")

@@ -39,20 +39,19 @@ __attribute__((noinline)) void trace_tile(const size_t tile_column, const size_t
     const size_t column = tile_column * (PACKET_COLUMNS + 1) + c + !beam, row = tile_row * (PACKET_ROWS + 1) + r + !beam;
     RAY ray = make_ray(RAY_PASS, q, column, row);
     HEAD head;
-    RANGE range;
+    ray.bx = ray.by = ray.bz = ray.wx = ray.wy = ray.wz = (F)0;
+    head.from = -INF;
     if (beam) {
       ray.bx = SPREAD(8), ray.by = SPREAD(9), ray.bz = SPREAD(10);
       ray.wx = SPREAD(11), ray.wy = SPREAD(12), ray.wz = SPREAD(13);
-      RAY whole = ray;
-      const F reach = max(NARROW(ray.tau) + (F)RADIUS, (F)0) * (R(1.0) + R(4.0) * ULP);
-      whole.ex += fma(reach, ray.wx, ray.bx), whole.ey += fma(reach, ray.wy, ray.by), whole.ez += fma(reach, ray.wz, ray.bz);
-      range = clip_ray(&whole, q);
-      head.from = -INF;
     } else {
-      ray.bx = ray.by = ray.bz = ray.wx = ray.wy = ray.wz = (F)0;
-      range = clip_ray(&ray, q);
       head.from = (F)from[in], head.span = (F)span[in], head.sign = (F)sign[in];
     }
+    // To the bounds all of a beam errs as much as it does where it is widest.
+    RAY whole = ray;
+    const F reach = max(NARROW(ray.tau) + (F)RADIUS, (F)0) * (R(1.0) + R(4.0) * ULP);
+    whole.ex += fma(reach, ray.wx, ray.bx), whole.ey += fma(reach, ray.wy, ray.by), whole.ez += fma(reach, ray.wz, ray.bz);
+    const RANGE range = clip_ray(&whole, q);
     const ROOT root = find_root(&ray, &range, q, beam ? BEAM_PIECES : max_pieces FINDER_PASS);
     if (beam) {
       STORE(head.from, from);

@@ -18,10 +18,10 @@ static inline I positive(FORM f) { return GT(CERTAIN(f.x), ra_rad(f)); }
 static inline I negative(FORM f) { return LT(CERTAIN(f.x), -ra_rad(f)); }
 static inline I unbounded(FORM f) { return ~LT(fabs(f.x) + ra_rad(f), INF); }
 static inline I nonzero(FORM f) { return GT(CERTAIN(fabs(f.x)), ra_rad(f)); }
-static inline F leaning(FORM f) { return f.x; }
-// The middle of the form at the start and at the end of the piece.
-#define BEFORE(f) ((f).x - (f).y)
-#define BEHIND(f) ((f).x + (f).y)
+static inline F leaning(FORM f) { return copysign((F)1, f.x); }
+// The signs of the middle of the form at the start and at the end of the piece: 1 or -1, because products of values could underflow.
+#define BEFORE(f) copysign((F)1, (f).x - (f).y)
+#define BEHIND(f) copysign((F)1, (f).x + (f).y)
 // The signs at the ends of the piece are opposite: at e = -1 and 1 the form is x - y and x + y, to within z.
 static inline I crosses(FORM f) { return GT(CERTAIN(fabs(f.y)), fabs(f.x) + f.z); }
 #endif

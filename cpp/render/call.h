@@ -66,6 +66,7 @@ struct Options {
   bool affine = true;
   std::string finder = "bisection";  // kernels/<finder>.cl
   std::string reads = "enclosures";  // what it reads of f along the ray
+  std::optional<bool> beams;         // kernels/beams.cl; nothing: where the frame is large enough
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;

@@ -44,7 +44,17 @@ class Bisection:
 
 @dataclass(frozen=True)
 class Contraction:
-    """The forward march with affine contraction; "contract" is its shorthand."""
+    """The forward march with affine contraction; "contract" is its shorthand.
+
+    beams: whether frames bound the rays of 4 x 4 pixels by one enclosure first. None: frames of half a million pixels
+        and more do, for which compiling them pays.
+    """
+
+    beams: bool | None = None
+
+    def __post_init__(self) -> None:
+        if self.beams not in (True, False, None):
+            raise ArgumentError(f"beams must be True, False or None, not {self.beams!r}")
 
     @property
     def name(self) -> str:

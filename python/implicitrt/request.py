@@ -37,6 +37,7 @@ def finder_request(
         "or_march": method == "auto",
         "reads": entry.reads,
         "algebra": entry.algebra,
+        "beams": getattr(method, "beams", None),
         "precision": one_of(precision, "precision", ("auto", "single", "double")),
         # What samples proves nothing, however it rounds.
         "rounding": rounding if entry.method.guarantee == "inclusion" else "fast",

@@ -21,7 +21,7 @@ FORMULAS = ["x^2 + y^2 + z^2 - 1", "sin(3x)*cos(2y) + z^2 - 1/5", "sqrt(x) + y*z
 @pytest.mark.parametrize(("size", "precision", "rounding"), [((37, 23), "single", "outward"), ((5, 33), "double", "outward"), ((37, 23), "single", "fast")])
 def test_frames_agree_with_trace(formula: str, camera: str, size: tuple[int, int], precision: str, rounding: str) -> None:
     """Sizes that are no multiples of tiles; eyes inside and far from the bounds."""
-    keywords = {"bounds": 1.5, "method": "contract", "precision": precision, "rounding": rounding, "eps": 1e-4}
+    keywords = {"bounds": 1.5, "method": irt.Contraction(beams=True), "precision": precision, "rounding": rounding, "eps": 1e-4}
     frame = irt.render(formula, camera=CAMERAS[camera], size=size, **keywords)
     origins, directions = CAMERAS[camera].rays(size)
     hits = irt.trace(formula, origins.reshape(-1, 3), directions.reshape(-1, 3), **keywords)
