@@ -36,6 +36,9 @@ inline constexpr std::uint64_t kPixels = 1ull << 26;
 inline constexpr int kRayDegree = 200;
 // Degree of the frustum form: (degree + 1)^3 coefficients a cell.
 inline constexpr int kFrustumDegree = 32;
+// Degree along a ray that closed forms solve, and polynomials under the set operations of one formula: their roots lie in private memory.
+inline constexpr int kClosedDegree = 4;
+inline constexpr std::size_t kLeaves = 64;
 // Parameters of one formula.
 inline constexpr std::size_t kParameters = 256;
 

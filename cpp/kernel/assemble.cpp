@@ -139,6 +139,7 @@ std::string enclosures(const program::Program& program, const Spec& spec) {
 }
 
 std::string values(const program::Program& program, const Spec& spec) { return "\n" + program::emit_value(program, spec.precision).source; }
+std::string coefficients(const program::Program& program, const Spec& spec) { return "\n" + program::emit_coefficients(program, spec.precision).source; }
 std::string slopes(const program::Program& program, const Spec& spec) {
   return values(program, spec) + "\n" + program::emit_slope(program, spec.precision).source;
 }
@@ -154,13 +155,14 @@ struct Reader {
 
 const Reader kReaders[] = {
     {"enclosures", enclosures, [](const Spec& s) -> std::vector<std::string> {
-       std::vector<std::string> files{s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl", "form.cl"};
+       std::vector<std::string> files{"path.cl", s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl", "form.cl"};
        if (s.along) files.push_back("isolate.cl");
        return files;
      }},
-    {"values", values, [](const Spec&) -> std::vector<std::string> { return {"values.cl"}; }},
-    {"slopes", slopes, [](const Spec&) -> std::vector<std::string> { return {"values.cl", "slopes.cl"}; }},
-    {"gradients", values, [](const Spec&) -> std::vector<std::string> { return {"values.cl", "gradients.cl"}; }, true},
+    {"values", values, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl"}; }},
+    {"slopes", slopes, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl", "slopes.cl"}; }},
+    {"coefficients", coefficients, [](const Spec&) -> std::vector<std::string> { return {"closed_form.cl"}; }},
+    {"gradients", values, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl", "gradients.cl"}; }, true},
 };
 
 const Reader& reader_of(const Spec& spec) {
@@ -197,7 +199,6 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include("scene.cl");
     include(spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl");
     include("clip.cl");
-    include("path.cl");
     for (const std::string& name : reader.files(spec)) include(name);
     include(spec.finder + ".cl");
     if (spec.normal || spec.rgb) include("normal.cl");

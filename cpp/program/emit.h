@@ -44,4 +44,10 @@ Emitted emit_slope(const Program& program, Precision precision);
 // reverse accumulation.
 Emitted emit_gradient(const Program& program, Precision precision);
 
+// For polynomials of degree limits::kClosedDegree at most, the leaves, under Min, Max, - and factors that are numbers:
+// static inline void irt_coefficients(F ox, F oy, F oz, F dx, F dy, F dz PARAMETERS, F c[][TERMS], F* error): the coefficients of each leaf
+// along o + e d, |e| <= 1; static inline F irt_tree(const F* s): the sign of f from theirs; TERMS, LEAVES, and EACH_LEAF(DO), which is
+// DO(leaf, degree) for each. Throws MethodError for other formulas, LimitError past limits::kLeaves.
+Emitted emit_coefficients(const Program& program, Precision precision);
+
 }  // namespace irt::program

@@ -101,6 +101,10 @@ ENTRIES = MappingProxyType({
         Entry(Method("frustum-newton", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
                      "ours, on the frustum form of S2 section 3: halving until a root stands alone, then evaluations only"),
               "frustum_newton", "raa", True),
+        Entry(Method("analytic", "polynomials in x, y, z up to degree 4", "numerical", (),
+                     "S3, S4 section 3.1.1: closed forms along the ray"), "analytic", "raa", False),
+        Entry(Method("csg-analytic", "polynomials up to degree 4 under Min, Max and R-functions", "numerical", (),
+                     "S4 section 4.1.2: closed forms of the leaves, the tree decides"), "csg_analytic", "raa", False),
     )
 })  # fmt: skip
 
