@@ -47,11 +47,11 @@ static inline void cubic_roots(F a, F b, F c, F d, F* roots) {
   const F one = SELECT(GT(p, (F)0), R(2.0) * size / fma(u, u, fma(v, v, p)), u - v);
   const F far = SELECT(GT(discriminant, (F)0), one, three), y = SELECT(GT(q, (F)0), -far, far);
   const F shift = SELECT(EQ(y, y), y, (F)0) - b, rough = shift / a;
-  // One step of polishing.
-  const F value = fma(fma(fma(a, rough, R(3.0) * b), rough, R(3.0) * c), rough, d), slope = R(3.0) * fma(fma(a, rough, R(2.0) * b), rough, c);
-  const F better = rough - value / slope;
-  const I finite = LT(fabs(better), INF);
-  const F r = SELECT(finite, better, rough), ar = SELECT(finite, a * better, shift), inverse = SELECT(EQ(ar, (F)0), (F)0, a / ar);
+  // One step of polishing, unless it leads away: near a triple root it may lead anywhere.
+#define CUBIC(e) fma(fma(fma(a, e, R(3.0) * b), e, R(3.0) * c), e, d)
+  const F value = CUBIC(rough), better = rough - value / (R(3.0) * fma(fma(a, rough, R(2.0) * b), rough, c));
+  const F r = SELECT(LT(fabs(CUBIC(better)), fabs(value)), better, rough);
+  const F ar = SELECT(LT(fabs(r), INF), a * r, shift), inverse = SELECT(EQ(ar, (F)0), (F)0, a / ar);
   const F linear = fma((F)R(3.0), b, ar);
   const I small = LE(fabs(ar) * r * r, fabs(d));  // the smallest root: divided out from the front
   roots[0] = r;

@@ -115,17 +115,27 @@ class Coefficients {
     }
   }
 
+  Series number(const numerics::Bounds& value) const {
+    const double c = nearest(value, precision_);
+    return {{"(F)" + literal(c)}, "(F)" + literal(std::fabs(c)), value.lo == c && value.hi == c ? 0 : 1};
+  }
+
+  // Horner's rule.
+  Series polynomial(const std::string& name, const Series& base, const std::vector<numerics::Bounds>& coefficients) {
+    Series r = number(coefficients.back());
+    for (std::size_t k = coefficients.size() - 1; k-- > 0;)
+      r = sum(fmt::format("{}_h{}", name, k), product(fmt::format("{}_g{}", name, k), r, base), number(coefficients[k]), '+');
+    return r;
+  }
+
   Series series(Value v) {
     const Instruction& in = program_[v];
     const std::string r = name(v);
-    const auto polynomial = [&](Value w) { return w < 0 || at(w).polynomial(); };
+    const auto known = [&](Value w) { return w < 0 || at(w).polynomial(); };
     const auto constant = [&](Value w) { return w < 0 || at(w).constant(); };
-    if (!polynomial(in.a) || !polynomial(in.b) || !polynomial(in.c)) return {};
+    if (!known(in.a) || !known(in.b) || !known(in.c)) return {};
     switch (in.code) {
-      case Code::Constant: {
-        const double c = nearest(in.value, precision_);
-        return {{"(F)" + literal(c)}, "(F)" + literal(std::fabs(c)), in.value.lo == c && in.value.hi == c ? 0 : 1};
-      }
+      case Code::Constant: return number(in.value);
       case Code::Coordinate: {
         const char axis = "xyz"[in.index];
         return {{fmt::format("o{}", axis), fmt::format("d{}", axis)}, let(r + "_m", fmt::format("fabs(o{0}) + fabs(d{0})", axis)), kCoordinate};
@@ -144,6 +154,7 @@ class Coefficients {
       case Code::Mul: return product(r, at(in.a), at(in.b));
       case Code::Sqr: return product(r, at(in.a), at(in.a));
       case Code::Power: return power(r, at(in.a), in.index);
+      case Code::Polynomial: return polynomial(r, at(in.a), program_.polynomials[static_cast<std::size_t>(in.index)]);
       case Code::Div:
         if (constant(in.b)) {
           Series s = at(in.a);
@@ -155,7 +166,7 @@ class Coefficients {
         return {};
       default:
         // What has only parameters in it is a number, whatever the operator; one without operands has a rule above.
-        if (in.a < 0 || !constant(in.a) || !constant(in.b) || !constant(in.c) || in.code == Code::Polynomial || in.code >= Code::Less) return {};
+        if (in.a < 0 || !constant(in.a) || !constant(in.b) || !constant(in.c) || in.code >= Code::Less) return {};
         const auto text = [&](Value w) { return w < 0 ? std::string() : at(w).c[0]; };
         const std::string value = let(r, fill(describe(in.code).point, text(in.a), text(in.b), text(in.c), r, literal(nearest(in.value, precision_))));
         return {{value}, fmt::format("fabs({})", value), kFunction};

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
@@ -11,8 +11,9 @@ from typing import Any
 
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, ExprLike, sympify
+from implicitrt.set_operations import closed_polynomial, set_form
 
-__all__ = ["Bisection", "Contraction", "Method", "explain", "methods"]
+__all__ = ["Analytic", "Bisection", "Contraction", "CsgAnalytic", "Method", "explain", "methods"]
 
 
 @dataclass(frozen=True)
@@ -63,15 +64,43 @@ class Contraction:
 
 
 @dataclass(frozen=True)
+class Analytic:
+    """Closed forms of polynomials up to degree 4 along the ray; "analytic" is its shorthand."""
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return "analytic"
+
+
+@dataclass(frozen=True)
+class CsgAnalytic:
+    """Closed forms of polynomials up to degree 4 under Min, Max and R-functions; "csg-analytic" is its shorthand."""
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return "csg-analytic"
+
+
+def _as_it_is(f: Expr, isovalue: float | None) -> Expr:
+    return f
+
+
+@dataclass(frozen=True)
 class Entry:
     """A method as it runs: kernels/<finder>.cl, with an algebra, whether it asks the formula of `Clip`, and what it reads of f
-    along the ray (kReaders in cpp/kernel/assemble.cpp)."""
+    along the ray (kReaders in cpp/kernel/assemble.cpp).
+
+    `prepare` takes a formula and an isovalue and gives the formula that the kernel is made from, or raises MethodError.
+    """
 
     method: Method
     finder: str
     algebra: str
     clips: bool
     reads: str = "enclosures"
+    prepare: Callable[[Expr, float | None], Expr] = _as_it_is
 
 
 _FRUSTUM_FINDERS = {
@@ -102,9 +131,9 @@ ENTRIES = MappingProxyType({
                      "ours, on the frustum form of S2 section 3: halving until a root stands alone, then evaluations only"),
               "frustum_newton", "raa", True),
         Entry(Method("analytic", "polynomials in x, y, z up to degree 4", "numerical", (),
-                     "S3, S4 section 3.1.1: closed forms along the ray"), "analytic", "raa", False),
+                     "S3, S4 section 3.1.1: closed forms along the ray"), "analytic", "raa", False, "coefficients", closed_polynomial),
         Entry(Method("csg-analytic", "polynomials up to degree 4 under Min, Max and R-functions", "numerical", (),
-                     "S4 section 4.1.2: closed forms of the leaves, the tree decides"), "csg_analytic", "raa", False),
+                     "S4 section 4.1.2: closed forms of the leaves, the tree decides"), "csg_analytic", "raa", False, "coefficients", set_form),
     )
 })  # fmt: skip
 

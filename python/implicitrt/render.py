@@ -122,7 +122,7 @@ def render(
         "light": None if light is None else _unit(light),
     }
     parsed = time.perf_counter()
-    result = _core.render_frame(expr._node, request)
+    result = _core.render_frame(request["formula"], request)
     stats = stats_of(request, result, reason, started, parsed)
     return Frame(result, camera, region, request["params"], stats)
 
@@ -168,4 +168,4 @@ def kernel_source(
         "want": set(outputs), "color": black, "back_color": black, "unresolved_color": black,
         "background": None, "light": None,
     }  # fmt: skip
-    return _core.kernel_source(expr._node, request)
+    return _core.kernel_source(request["formula"], request)

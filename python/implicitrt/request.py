@@ -31,6 +31,7 @@ def finder_request(
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
     request = {
+        "formula": entry.prepare(expr, isovalue)._node,
         "method": entry.method.name,
         "guarantee": entry.method.guarantee,
         "finder": entry.finder,

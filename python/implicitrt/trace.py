@@ -68,5 +68,5 @@ def trace(
         "tmax": np.minimum(far, 1e300),
     }
     parsed = time.perf_counter()
-    result = _core.trace_rays(expr._node, request)
+    result = _core.trace_rays(request["formula"], request)
     return Hits(result, o, d, stats_of(request, result, reason, started, parsed))

@@ -98,6 +98,26 @@ TEST(Assemble, AClipFormulaIsAskedBesideTheOther) {
   EXPECT_THROW(lower(parse("x"), false, &condition), ExpressionError);
 }
 
+TEST(Coefficients, AreCutOffBehindTheFourth) {
+  const std::string text = emit_coefficients(lower(parse("x^3*y^4 - x")), Precision::Single).source;
+  EXPECT_NE(text.find("DO(0, 4)"), std::string::npos);
+  EXPECT_EQ(text.find("_5 ="), std::string::npos);
+}
+
+TEST(Coefficients, LeavesUnderSetOperationsAreFoundOnce) {
+  const std::string text = emit_coefficients(lower(parse("Max(Min(x^2 - 1, y), -(x^2 - 1), a*z)")), Precision::Double).source;
+  EXPECT_NE(text.find("#define LEAVES 4\n#define IRT_DEGREE 2\n"), std::string::npos);
+  EXPECT_NE(text.find("min(s["), std::string::npos);
+  const std::string twice = emit_coefficients(lower(parse("Max(x, Min(x, y))")), Precision::Double).source;
+  EXPECT_NE(twice.find("#define LEAVES 2\n"), std::string::npos);
+}
+
+TEST(Coefficients, RefuseWhatIsNoPolynomial) {
+  EXPECT_THROW(emit_coefficients(lower(parse("sin(x) - y")), Precision::Single), MethodError);
+  EXPECT_THROW(emit_coefficients(lower(parse("y/x")), Precision::Single), MethodError);
+  EXPECT_NO_THROW(emit_coefficients(lower(parse("sin(a)*x + y/(b + exp(a))")), Precision::Single));
+}
+
 TEST(Magnitude, TellsWhatCanOverflow) {
   const double at[3] = {2, 2, 2};
   EXPECT_LT(magnitude(lower(parse("x^2 + 3*y")), at, {}), 100);
