@@ -54,10 +54,16 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--output", default="docs")
     options = parser.parse_args()
-    found = irt.compare(
+    wrong = write(irt.compare(
         SURFACES, None, WIDTHS, (options.size, options.size), runs=options.runs,
         progress=lambda line: print(line, file=sys.stderr, flush=True),
-    )  # fmt: skip
+    ), options.runs, Path(options.output))  # fmt: skip
+    if wrong:
+        sys.exit(f"{wrong} points have a status that lies")
+
+
+def write(found: irt.Comparison, runs: int, folder: Path) -> int:
+    """Writes the page, its table and its picture; returns how many proven statuses lie."""
     proven = {name for name, m in irt.methods().items() if m.guarantee == "inclusion"}
     wrong = [p for p in found if p.method in proven and (p.wrong_misses or p.wrong_hits)]
     rows, beaten = [], []
@@ -65,7 +71,9 @@ def main() -> None:
         for eps in WIDTHS:
             at = {p.method: p for p in found if p.formula == name and p.eps == eps}
             auto = at["auto"]
-            fastest = min((at[m] for m in proven & set(at) if as_good(at[m], auto)), key=lambda p: p.milliseconds)
+            # What auto ran is auto, but for the noise of two measurements.
+            others = [at[m] for m in proven & set(at) if as_good(at[m], auto) and not auto.ran.startswith(m + ",")]
+            fastest = min([auto, *others], key=lambda p: p.milliseconds)
             ratio = auto.milliseconds / fastest.milliseconds
             if ratio > 1.25:
                 beaten.append(f"{name} at 2^{eps.hex().split('p')[1]}: {fastest.method}, {ratio:.2f}")
@@ -81,16 +89,14 @@ def main() -> None:
     ) + table(
         ["surface", "eps", *(f"{m}, ms" for m in SHOWN), "what auto ran", "fastest as accurate as auto"], rows
     )  # fmt: skip
-    folder = Path(options.output)
     found.plot(folder / "speed-accuracy.png")
     found.to_csv(folder / "speed-accuracy.csv")
     text = TEXT.format(
-        date=datetime.date.today().isoformat(), size=options.size, runs=options.runs,
+        date=datetime.date.today().isoformat(), size=found.size[0], runs=runs,
         device=f"{found.device}, {os.cpu_count()} cores", summary=summary,
     )  # fmt: skip
     (folder / "speed-accuracy.md").write_text(text, encoding="utf-8")
-    if wrong:
-        sys.exit(f"{len(wrong)} points have a status that lies")
+    return len(wrong)
 
 
 if __name__ == "__main__":

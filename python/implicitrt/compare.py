@@ -147,7 +147,7 @@ class Comparison:
         for panel in panels[len(names) :]:
             panel.set_visible(False)
         lines = {text: line for p in panels for line, text in zip(*p.get_legend_handles_labels(), strict=True)}
-        figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=4 * columns, fontsize="small")
+        figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3 * columns, fontsize="small")
         figure.suptitle(
             f"{self.size[0]} x {self.size[1]}, {self.device}; rings: Pareto front, red: wrong statuses",
             fontsize="small",
