@@ -10,7 +10,9 @@ namespace irt::limits {
 inline constexpr std::size_t kNodes = 200'000;
 // Nesting depth that `parse` accepts; trees built by operators may be deeper, all walks are iterative.
 inline constexpr std::size_t kParseDepth = 256;
-// Characters of one formula handed to `parse`.
+// Nesting depth of a tree that can be printed, which is done by recursion.
+inline constexpr int kPrintDepth = 1000;
+// Characters of one formula handed to `parse`, and of one printed.
 inline constexpr std::size_t kFormulaLength = 1 << 20;
 // Characters of one identifier.
 inline constexpr std::size_t kIdentifierLength = 64;
@@ -23,15 +25,17 @@ inline constexpr std::size_t kExpandProducts = 1'000'000;
 // Largest degree of a polynomial.
 inline constexpr long kDegree = 1'000'000'000;
 // Arguments, over all parts, that a derivative may have: those of deep chains grow with the square of the depth.
-inline constexpr std::size_t kDerivativeArguments = 1'000'000;
+inline constexpr std::size_t kDerivativeArguments = 200'000;
 // Largest |n| of an integer power that a kernel unrolls.
 inline constexpr long kExponent = 1'000'000;
 // Operations of one program: beyond this the OpenCL compilers need minutes.
 inline constexpr std::size_t kOperations = 10'000;
 // Bytes of one generated source.
 inline constexpr std::size_t kSourceBytes = 8u << 20;
-// Pixels of one frame (64 Mpx) and rays of one batch.
+// Pixels of one frame (64 Mpx) and rays of one batch; Python knows them as _core.MAX_PIXELS and MAX_SIDE.
 inline constexpr std::uint64_t kPixels = 1ull << 26;
+// Pixels of one side of a frame.
+inline constexpr std::uint64_t kSide = 1ull << 20;
 // Degree up to which the reference makes polynomials along rays; above it works with ranges.
 inline constexpr int kRayDegree = 200;
 // Degree of the frustum form: (degree + 1)^3 coefficients a cell.
@@ -39,6 +43,11 @@ inline constexpr int kFrustumDegree = 32;
 // Degree along a ray that closed forms solve, and polynomials under the set operations of one formula: their roots lie in private memory.
 inline constexpr int kClosedDegree = 4;
 inline constexpr std::size_t kLeaves = 64;
+// Built programs that a device keeps.
+inline constexpr std::size_t kPrograms = 64;
+// Pieces of one ray, where the call says nothing; beyond this it is UNRESOLVED. Hard surfaces need some thousands; the hardest by
+// intervals (sarti_12, expanded) 10^5 on few rays, and those are done in double.
+inline constexpr int kPieces = 1 << 16, kPiecesInDouble = 1 << 18;
 // Parameters of one formula.
 inline constexpr std::size_t kParameters = 256;
 

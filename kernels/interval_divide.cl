@@ -5,11 +5,7 @@
 //   rough: not proven defined and continuous on all of it.
 #define IA_ENTIRE ia(-INF, INF)
 
-#if IRT_CORRECT_DIVIDE
-#define DIVIDE_K R(1.5)
-#else
 #define DIVIDE_K R(3.5)
-#endif
 
 // Division by an interval that holds zero gives the whole line. Ends below TINY count as zero: devices may flush them.
 static inline IA ia_recip(IA a, I* undefined, I* rough) {

@@ -25,6 +25,7 @@ missing_packages() {
     # A system driver beside the one that pip brings: the tests run on every driver they find.
     ls /etc/OpenCL/vendors/pocl*.icd >/dev/null 2>&1 || echo pocl-opencl-icd
   fi
+  [ "${1:-}" != oclgrind ] || has oclgrind || echo oclgrind
   python3 -c 'import venv, ensurepip' 2>/dev/null || { echo python3-venv; echo python3-dev; }
   python3 -c 'import sysconfig, os, sys; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' \
     2>/dev/null || echo python3-dev

@@ -11,14 +11,13 @@
 #include <unordered_map>
 #include <utility>
 
+#include "caps.h"
 #include "device/device.h"
 #include "device/opencl.h"
 
 namespace irt::device {
 namespace {
 
-// Built programs that a device keeps.
-constexpr std::size_t kPrograms = 64;
 // How long a band should take: short enough for Ctrl-C, long enough that launches cost nothing beside it.
 constexpr double kBandSeconds = 0.05;
 
@@ -109,7 +108,7 @@ class ClDevice : public Device {
     }
     recent_.push_front({source, promise.get_future().share()});
     index_[source] = recent_.begin();
-    if (recent_.size() > kPrograms) {
+    if (recent_.size() > limits::kPrograms) {
       index_.erase(recent_.back().source);
       recent_.pop_back();
     }

@@ -149,6 +149,10 @@ std::pair<mpq_class, Expr> split_coefficient(const Expr& e) {
   return {e.arg(0).number(), Store::make(Op::Mul, {e.args().begin() + 1, e.args().end()})};
 }
 
+static void check_bits(const mpq_class& q) {
+  if (bits(q) > limits::kNumberBits) throw LimitError(fmt::format("a number in the formula has {} bits; the limit is {}", bits(q), limits::kNumberBits));
+}
+
 Expr add(std::span<const Expr> terms) {
   mpq_class constant = 0;
   std::vector<Expr> order;
@@ -181,6 +185,7 @@ Expr add(std::span<const Expr> terms) {
     }
   }
   std::sort(kept.begin(), kept.end(), term_less);
+  check_bits(constant);
   if (sgn(constant) != 0) kept.push_back(number(constant));
   if (kept.empty()) return Expr(0L);
   if (kept.size() == 1) return kept[0];
@@ -233,8 +238,7 @@ Expr mul(std::span<const Expr> factors) {
         }
       }
   }
-  if (bits(constant) > limits::kNumberBits)
-    throw LimitError(fmt::format("a number in the formula has {} bits; the limit is {}", bits(constant), limits::kNumberBits));
+  check_bits(constant);
   if (kept.empty()) return number(constant);
   // Zero times what is defined everywhere is zero, whatever else stands there.
   if (sgn(constant) == 0) std::erase_if(kept, [](const Expr& e) { return e.key()->total; });

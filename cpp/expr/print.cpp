@@ -23,8 +23,8 @@ class Printer {
   explicit Printer(bool latex) : latex_(latex) {}
 
   Text print(const Expr& e) {
-    if (++depth_ > kDepth || size_ > limits::kFormulaLength)
-      throw LimitError(fmt::format("the formula is too deep or too long to print; the limits are {} levels and {} characters", kDepth,
+    if (++depth_ > limits::kPrintDepth || size_ > limits::kFormulaLength)
+      throw LimitError(fmt::format("the formula is too deep or too long to print; the limits are {} levels and {} characters", limits::kPrintDepth,
                                    limits::kFormulaLength));
     Text t = dispatch(e);
     size_ += t.text.size();
@@ -33,7 +33,6 @@ class Printer {
   }
 
  private:
-  static constexpr int kDepth = 1000;
   bool latex_;
   int depth_ = 0;
   std::size_t size_ = 0;

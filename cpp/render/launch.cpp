@@ -14,15 +14,13 @@
 #include <mutex>
 #include <new>
 
+#include "caps.h"
 #include "error.h"
 
 namespace irt::render {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-// Pieces of one ray; beyond this it is UNRESOLVED. Hard surfaces need some thousands; the hardest by intervals (sarti_12, expanded)
-// 10^5 on few rays, and those are done in double.
-constexpr int kMaxPieces = 1 << 16, kMaxPiecesInDouble = 1 << 18;
 constexpr std::size_t kSettings = 24;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -244,7 +242,8 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   args.emplace_back(keep(settings.buffer(device)));
   args.emplace_back(static_cast<std::int32_t>(answer.pitch));
   const bool finds = spec.entry != kernel::Entry::Neighbours;  // or only shades
-  if (finds) args.emplace_back(static_cast<std::int32_t>(options.max_pieces > 0 ? options.max_pieces : spec.precision == program::Precision::Double ? kMaxPiecesInDouble : kMaxPieces));
+  const int pieces = spec.precision == program::Precision::Double ? limits::kPiecesInDouble : limits::kPieces;
+  if (finds) args.emplace_back(static_cast<std::int32_t>(options.max_pieces > 0 ? options.max_pieces : pieces));
   if (options.normal) {
     args.emplace_back(output(*answer.normal));
     args.emplace_back(static_cast<std::int32_t>(answer.pitch * answer.rows));

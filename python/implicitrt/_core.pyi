@@ -4,6 +4,9 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+MAX_PIXELS: int
+MAX_SIDE: int
+
 @final
 class Node:
     @property

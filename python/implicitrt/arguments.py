@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from implicitrt import _core
 from implicitrt.bounds import Bounds
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, check_parameter_names
@@ -15,8 +16,6 @@ from implicitrt.surfaces import NamedSurface
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-MAX_PIXELS = 1 << 26  # caps.h: kPixels
 
 
 def one_of(value: Any, what: str, allowed: tuple[str, ...]) -> str:
@@ -101,9 +100,9 @@ def request_size(size: Any) -> tuple[int, int]:
         raise ArgumentError(f"size must be (width, height) in whole pixels, not {size!r}") from None
     if pixels[0] < 1 or pixels[1] < 1:
         raise ArgumentError(f"size must be at least (1, 1), not {pixels}")
-    if pixels[0] * pixels[1] > MAX_PIXELS or max(pixels) > 1 << 20:
+    if pixels[0] * pixels[1] > _core.MAX_PIXELS or max(pixels) > _core.MAX_SIDE:
         raise LimitError(
-            f"{pixels[0]} x {pixels[1]} pixels are more than the limit of {MAX_PIXELS} (and 2**20 on a "
+            f"{pixels[0]} x {pixels[1]} pixels are more than the limit of {_core.MAX_PIXELS} (and {_core.MAX_SIDE} on a "
             "side); render parts of the picture"
         )
     return pixels
@@ -133,6 +132,8 @@ def broadcast(*arrays: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]]
     if len(counts) > 1:
         raise ArgumentError(f"the arrays have different lengths: {', '.join(str(len(a)) for a in arrays)}")
     n = counts.pop() if counts else 1
+    if n > _core.MAX_PIXELS:
+        raise LimitError(f"{n} rays or boxes are more than the limit of {_core.MAX_PIXELS}; take them in parts")
     return [np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for a in arrays]
 
 
