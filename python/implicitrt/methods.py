@@ -207,7 +207,7 @@ def explain(f: ExprLike) -> str:
 def resolve(method: Any, expr: Expr, frames: bool = False) -> tuple[Entry, str]:
     """The method that runs, and why; `frames`: for a whole frame without clip formulas."""
     name = getattr(method, "name", method)
-    if name == "auto":
+    if isinstance(name, str) and name == "auto":
         name, reason = _choose_for_frames(expr) if frames else _choose(expr)
         return ENTRIES[name], reason
     if not isinstance(name, str) or name not in ENTRIES:

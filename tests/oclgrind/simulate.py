@@ -8,6 +8,7 @@ Exits with 1 where Oclgrind reports anything, and prints the first reports.
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import os
 import shutil
@@ -63,6 +64,8 @@ def _calls() -> Iterator[tuple[str, Callable[[], Any]]]:
     import implicitrt as irt
 
     small: dict[str, Any] = {"size": (19, 5), "bounds": 1.5, "device": "oclgrind"}
+    # With parameters and precision "auto" the kernel in double is built by a thread behind the frame, in which Oclgrind 21 crashes.
+    with_parameters = small | {"precision": "single"}
     for name, f in FORMULAS.items():
         for method in ("ia", "raa", "contract"):
             for precision in ("single", "double"):
@@ -73,24 +76,24 @@ def _calls() -> Iterator[tuple[str, Callable[[], Any]]]:
         yield f"rays, {method}", lambda m=method: irt.trace(BALL, [(0, 0, 5), (0.1, 0.2, 5), (3, 3, 5)], (0, 0, -1), bounds=2, method=m, device="oclgrind")
     regions = [1.5, irt.Sphere((0, 0, 0), 1.4), irt.HalfSpace((0, 0, 1), 0.4), irt.Clip("0.3 - x^2")]
     for method in ("ia", "contract"):
-        yield f"regions, {method}", lambda m=method: irt.render("x^2 + a y^2 + z^2 - 1", **(small | {"bounds": regions}), method=m, params={"a": 1.1})
+        yield f"regions, {method}", lambda m=method: irt.render("x^2 + a y^2 + z^2 - 1", **(with_parameters | {"bounds": regions}), method=m, params={"a": 1.1})
     yield "neighbours", lambda: irt.render(BALL, normals="neighbours", **small)
     yield "silhouettes", lambda: irt.render(BALL, antialias="silhouette", **small)
-    yield "isovalue", lambda: irt.render("x^2 + y^2", isovalue=0.5, background=None, **small)
+    yield "isovalue", lambda: irt.render("x^2 + y^2", isovalue=0.5, background=None, **with_parameters)
     for algebra in ("ia", "raa"):
         for name, f in FORMULAS.items():
             yield f"enclose {name}, {algebra}", lambda f=f, a=algebra: irt.enclose(f, [(0, 0, 0)] * 5, (1, 1, 1), algebra=a, device="oclgrind")
 
 
 def _broken(folder: Path) -> Path:
-    """The kernels, but one writes past its buffer and reads what was never written: what has to be reported."""
+    """The kernels, but one writes past its buffers: what has to be reported."""
     from implicitrt import _core
 
     kernels = Path(_core.__file__).resolve().parent / "kernels"
     shutil.copytree(kernels, folder / "kernels")
     trace = folder / "kernels" / "trace.cl"
     text = trace.read_text()
-    broken = text.replace("STORE(SELECT(EQ(root.status, MISS), INF, t), depth + at);", "STORE(SELECT(EQ(root.status, MISS), INF, t), depth + at + 1000000);")
+    broken = text.replace("write_results(&ray, &root, row * pitch", "write_results(&ray, &root, 1000000 + row * pitch")
     assert broken != text
     trace.write_text(broken)
     return folder / "kernels"
@@ -108,6 +111,7 @@ def simulate(width: int, quick: bool) -> list[str]:
         module = sys.modules[devices.__module__]
         device, alive = _device(width)
         module._choices["oclgrind"] = device  # type: ignore[attr-defined]
+        atexit.register(device.finish)
         found, seen = [], 0
         calls = list(_calls())
         for what, call in calls[:: 9 if quick else 1]:

@@ -23,14 +23,14 @@ def test_one_side() -> None:
         irt.render("x", size=(_core.MAX_SIDE + 1, 1))
 
 
-def test_rays() -> None:
-    from implicitrt.arguments import broadcast
-
-    # A view of one number: no memory is spent on what is refused, nor in the core on what is not.
-    many = np.broadcast_to(np.zeros(1), (_core.MAX_PIXELS + 1,))
-    assert len(broadcast(np.asarray(many[:-1]))[0]) == _core.MAX_PIXELS
+def test_rays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_core, "MAX_PIXELS", 100)  # as many as are allowed take half a gigabyte an array
+    ends = np.zeros((101, 3))
+    assert len(irt.trace("z", ends[:100] + 1, (0, 0, -1), bounds=2)) == 100
     with pytest.raises(irt.LimitError, match="rays"):
-        broadcast(np.asarray(many))
+        irt.trace("z", ends + 1, (0, 0, -1), bounds=2)
+    with pytest.raises(irt.LimitError, match="boxes"):
+        irt.enclose("z", ends, ends + 1)
 
 
 def test_degree_of_the_frustum_form() -> None:
