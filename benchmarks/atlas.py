@@ -41,12 +41,7 @@ A picture is *right* where at most {right:.0%} of its pixels are anything else. 
 
 {table}
 
-## Robustness, as Singh and Narayanan show it
-
-![Steiner surface and cross-cap by sign test, Taylor test and intervals](atlas/robustness.png)
-
-Their figure has the same two surfaces by the same three tests. [Their tables](table_s3.md) of frames per second and iterations are redrawn
-with what each method gets wrong; [those of Reimers and Seland](frustum.md), with errors, are redrawn as well.
+[S2's tables of errors and insertions](frustum.md) are redone beside the printed ones.
 
 """
 
@@ -72,14 +67,14 @@ def picture(case: Any, frame: irt.Frame | None, real: irt.Reference, camera: irt
     return Image.fromarray(colors)
 
 
-def sheet(pictures: list[tuple[str, Image.Image]], path: Path, most: int = ACROSS) -> None:
-    """Pictures with their labels, `most` in a row."""
+def sheet(pictures: list[tuple[str, Image.Image]], path: Path) -> None:
+    """Pictures with their labels, side by side."""
     w, h = pictures[0][1].size
-    across, down = min(most, len(pictures)), -(-len(pictures) // most)
+    across, down = min(ACROSS, len(pictures)), -(-len(pictures) // ACROSS)
     paper = Image.new("RGB", (across * (w + 6), down * (h + LABEL + 4)), "white")
     pen = ImageDraw.Draw(paper)
     for k, (label, image) in enumerate(pictures):
-        x, y = k % most * (w + 6), k // most * (h + LABEL + 4)
+        x, y = k % ACROSS * (w + 6), k // ACROSS * (h + LABEL + 4)
         pen.text((x + 1, y + 1), label, fill=(60, 60, 60))
         paper.paste(image, (x, y + LABEL))
     paper.quantize(64).save(path, optimize=True)
@@ -105,18 +100,6 @@ def section(name: str, size: tuple[int, int], folder: Path) -> str:
     return text + f"![{name}](atlas/{name}.png)\n\n" + table(["method", "outcome", *outcomes.WORDS], said) + "\n"
 
 
-def robustness(size: tuple[int, int], folder: Path) -> None:
-    """S3's figure on robustness: sign test, Taylor test and intervals on two surfaces that cross themselves."""
-    pictures = []
-    for name in ("steiner", "crosscap"):
-        case = CASES[name]
-        real = irt.reference(case.surface, size=size, **case.keywords)
-        for method in ("marching-sign", "marching-taylor", "ia"):
-            frame = irt.render(case.surface, size=size, method=method, precision="single", device=outcomes.PINNED[0], outputs=(), **case.keywords)
-            pictures.append((f"{name}, {method}", picture(case, frame, real, frame.camera, size)))
-    sheet(pictures, folder / "robustness.png", 3)
-
-
 def main() -> None:
     """Writes the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -128,7 +111,6 @@ def main() -> None:
     sections = [section(name, (options.size, options.size), folder) for name in options.cases or CASES]
     if options.cases:
         return
-    robustness((2 * options.size, 2 * options.size), folder)
     known = outcomes.expected()
     short = {"right": "", "refused": "-"}
     rows = [[f"[{c}](#{c})", *(short.get(o, o) for o in (outcomes.outcome(known[c][m]) for m in outcomes.names()))] for c in CASES]

@@ -34,7 +34,7 @@ surface are what to look at: machines differ and are shared.
 
 Rings mark the Pareto front; a red cross marks wrong statuses: roots that were missed, and hits where there is nothing. Only methods that sample
 (dashed) have any. Where a line goes up again, eps is below what single precision resolves and `auto` repeats those pixels in double. The
-tests redraw a part of the chart and fail where it contradicts this one (`tests/python/test_chart.py`).
+tests redraw a part of the chart and fail where statuses or errors contradict this one (`tests/python/test_chart.py`).
 
 {summary}
 

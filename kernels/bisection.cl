@@ -28,8 +28,6 @@
 #if IRT_ALONG
 #define EARLY 2  // windows are opened at pieces of 2^EARLY times eps
 #define AHEAD 2  // and are 2^AHEAD pieces long
-#else
-#define EARLY 0
 #endif
 
 // Pieces that each lane has looked at, where the call asks for them.
@@ -60,7 +58,14 @@ static inline I longest_step(F wanted) { return TO_I(POWER_OF_TWO_BELOW(clamp(wa
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
   const F wanted = wanted_units(ray, &path, q);
-  const I first_stop = longest_step(wanted / (R(1.0) + MARGIN)), first_halt = min(longest_step(wanted) << EARLY, PATH_END);
+  const I first_stop = longest_step(wanted / (R(1.0) + MARGIN));
+#if IRT_ALONG
+  const I first_halt = min(longest_step(wanted) << EARLY, PATH_END);
+#else
+  // What is found without a margin is as wide as its piece, and the rounding of its depth counts as well.
+  const F rounding = fma((F)(R(2.0) * ULP), fabs(NARROW(ray->tau)) + (F)RADIUS, R(2.0) * (F)POSITION_PAD / NARROW(ray->length)) / path.unit;
+  const I first_halt = longest_step(wanted - rounding);
+#endif
   I stop = first_stop, halt = first_halt;
   I active = LE(range->out0, range->out1), marching = active, proving = NONE, hits = NONE, open = NONE;
   I position = NONE, step = PATH_END, tries = NONE;
