@@ -30,17 +30,6 @@
 #define AHEAD 2  // and are 2^AHEAD pieces long
 #endif
 
-// Pieces that each lane has looked at, where the call asks for them.
-#if IRT_PIECES
-#define COUNT_FROM_HERE I looked = NONE;
-#define COUNT(lanes) looked -= (lanes);
-#define REPORT_COUNT root.pieces = looked;
-#else
-#define COUNT_FROM_HERE
-#define COUNT(lanes)
-#define REPORT_COUNT
-#endif
-
 #define LOWEST_BIT(v) ((v) & -(v))
 
 #if IRT_ALONG

@@ -29,17 +29,6 @@
 #define BEAM_PIECES 32
 #define LEAD R(4.0)
 
-// Pieces that each lane has looked at, where the call asks for them.
-#if IRT_PIECES
-#define COUNT_FROM_HERE I looked = NONE;
-#define COUNT(lanes) looked -= (lanes);
-#define REPORT_COUNT root.pieces = looked;
-#else
-#define COUNT_FROM_HERE
-#define COUNT(lanes)
-#define REPORT_COUNT
-#endif
-
 // What is left of a piece, in units, and where something was cut away.
 typedef struct {
   F from, end;

@@ -6,8 +6,3 @@ static inline F gradient_at(const PATH* path, F c PARAMETERS, F* slope, F* steep
   *steepest = sqrt(fma(gx, gx, fma(gy, gy, gz * gz)));
   return f;
 }
-
-static inline F slope_at(const PATH* path, F c PARAMETERS, F* slope) {
-  F steepest;
-  return gradient_at(path, c PARAMETERS_PASS, slope, &steepest);
-}

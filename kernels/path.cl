@@ -88,3 +88,14 @@ static inline ROOT report(const PATH* path, __global const real* q, I status, F 
 #endif
   return root;
 }
+
+// Pieces that each lane has looked at, where the call asks for them.
+#if IRT_PIECES
+#define COUNT_FROM_HERE I looked = NONE;
+#define COUNT(lanes) looked -= (lanes);
+#define REPORT_COUNT root.pieces = looked;
+#else
+#define COUNT_FROM_HERE
+#define COUNT(lanes)
+#define REPORT_COUNT
+#endif

@@ -11,8 +11,9 @@
 #define UNRESOLVED_COLOR(channel) q[17 + (channel)]
 #define LIGHT(axis) q[20 + (axis)]
 #define LIGHT_POWER q[23]
-#define SPHERE(i, k) q[24 + 4 * (i) + (k)]  // centre and radius
-#define HALF_SPACE(i, k) q[24 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
+#define STEPS q[24]  // of root finders that sample
+#define SPHERE(i, k) q[25 + 4 * (i) + (k)]  // centre and radius
+#define HALF_SPACE(i, k) q[25 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
 
 #define MISS ((I)0)
 #define HIT ((I)1)

@@ -73,6 +73,8 @@ render::Options options_of(const py::dict& request, const program::Program& prog
   if (request.contains("or_march")) o.or_march = get<bool>(request, "or_march");
   if (request.contains("reads")) o.reads = get<std::string>(request, "reads");
   if (request.contains("beams") && !request["beams"].is_none()) o.beams = get<bool>(request, "beams");
+  if (request.contains("defines")) o.defines = get<std::vector<std::string>>(request, "defines");
+  if (request.contains("steps")) o.steps = get<int>(request, "steps");
   o.outward = get<std::string>(request, "rounding") == "outward";
   const auto precision = get<std::string>(request, "precision");
   o.precision = precision == "single"   ? render::PrecisionMode::Single

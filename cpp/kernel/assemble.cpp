@@ -162,7 +162,7 @@ const Reader kReaders[] = {
     {"values", values, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl"}; }},
     {"slopes", slopes, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl", "slopes.cl"}; }},
     {"coefficients", coefficients, [](const Spec&) -> std::vector<std::string> { return {"closed_form.cl"}; }},
-    {"gradients", values, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl", "gradients.cl"}; }, true},
+    {"gradients", slopes, [](const Spec&) -> std::vector<std::string> { return {"path.cl", "values.cl", "slopes.cl", "gradients.cl"}; }, true},
 };
 
 const Reader& reader_of(const Spec& spec) {
@@ -200,6 +200,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include(spec.entry == Entry::RayList ? "ray_list.cl" : "ray_camera.cl");
     include("clip.cl");
     for (const std::string& name : reader.files(spec)) include(name);
+    for (const std::string& macro : spec.defines) text += fmt::format("#define {}\n", macro);
     include(spec.finder + ".cl");
     if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");

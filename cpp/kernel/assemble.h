@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "program/emit.h"
 
@@ -34,6 +35,7 @@ struct Spec {
   bool affine = false;
   std::string finder = "bisection";  // kernels/<finder>.cl
   std::string reads = "enclosures";  // what it reads of f along the ray (assemble.cpp, kReaders)
+  std::vector<std::string> defines;  // macros that its file tests
   program::Precision precision = program::Precision::Single;
   int width = 16;        // reals per packet
   bool outward = true;   // rounding="outward"

@@ -67,6 +67,8 @@ struct Options {
   std::string finder = "bisection";  // kernels/<finder>.cl
   std::string reads = "enclosures";  // what it reads of f along the ray
   std::optional<bool> beams;         // kernels/beams.cl; nothing: where the frame is large enough
+  std::vector<std::string> defines;  // macros that its file tests
+  int steps = 0;                     // of root finders that sample
   bool outward = true;
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;

@@ -21,7 +21,7 @@ namespace irt::render {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kSettings = 24;
+constexpr std::size_t kSettings = 25;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -168,6 +168,7 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   q.set_below(9, near);
   q.set_above(10, near);
   q.set(23, glm::length(options.light) > 0 ? 1 : 0);
+  q.set(24, options.steps);
   for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
     for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
     q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);
@@ -202,6 +203,7 @@ kernel::Spec with_options(kernel::Spec spec, const Options& options) {
   spec.affine = options.affine;
   spec.finder = options.finder;
   spec.reads = options.reads;
+  spec.defines = options.defines;
   spec.outward = options.outward;
   spec.normal = options.normal;
   spec.rgb = options.rgb;

@@ -60,7 +60,17 @@ from implicitrt.expression import (
     z,
 )
 from implicitrt.frame import Frame, Hits, Stats, Status
-from implicitrt.methods import Analytic, Bisection, Contraction, CsgAnalytic, Method, explain, methods
+from implicitrt.methods import (
+    Analytic,
+    Bisection,
+    Contraction,
+    CsgAnalytic,
+    Marching,
+    Method,
+    SampledNewton,
+    explain,
+    methods,
+)
 from implicitrt.reference import Reference, reference
 from implicitrt.render import kernel_source, render
 from implicitrt.set_operations import r_intersection, r_subtraction, r_union
@@ -74,8 +84,8 @@ _core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels
 
 __all__ = [
     "Abs", "Analytic", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Clip", "Comparison", "Condition", "Contraction", "CsgAnalytic", "Device", "DeviceError", "E", "Eq",
-    "Error", "Expr", "ExpressionError", "Frame", "HalfSpace", "Hits", "LimitError", "Max", "Method", "MethodError", "Min", "Mod",
-    "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Reference", "Sphere", "Stats", "Status", "acos", "asin", "atan",
+    "Error", "Expr", "ExpressionError", "Frame", "HalfSpace", "Hits", "LimitError", "Marching", "Max", "Method", "MethodError", "Min", "Mod",
+    "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Reference", "SampledNewton", "Sphere", "Stats", "Status", "acos", "asin", "atan",
     "atan2", "cbrt", "ceiling", "compare", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
     "kernel_source", "log", "methods", "parse", "pi", "r_intersection", "r_subtraction", "r_union", "reference", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",
     "sympify", "tan", "tanh", "trace", "x", "y", "z",

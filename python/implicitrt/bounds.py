@@ -123,6 +123,11 @@ class Bounds:
         """A thousandth of half the largest side."""
         return 1e-3 * 0.5 * max(b - a for a, b in zip(self.lower, self.upper, strict=True))
 
+    @property
+    def single_resolution(self) -> float:
+        """What single precision resolves along a ray: a unit of a path (kernels/path.cl), or the rounding of coordinates."""
+        return max(math.dist(self.lower, self.upper), max(map(abs, self.lower + self.upper))) * 2.0**-21
+
     @staticmethod
     def of(value: Any) -> Bounds:
         """Bounds from a number r (the cube [-r, r]^3), a box ((x0, x1), (y0, y1), (z0, z1)), a

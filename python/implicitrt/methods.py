@@ -9,11 +9,13 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, ExprLike, sympify
 from implicitrt.set_operations import closed_polynomial, set_form
 
-__all__ = ["Analytic", "Bisection", "Contraction", "CsgAnalytic", "Method", "explain", "methods"]
+__all__ = ["Analytic", "Bisection", "Contraction", "CsgAnalytic", "Marching", "Method", "SampledNewton", "explain", "methods"]
 
 
 @dataclass(frozen=True)
@@ -29,18 +31,23 @@ class Method:
 
 @dataclass(frozen=True)
 class Bisection:
-    """Stackless bisection with an inclusion algebra, "ia" or "raa"; those names are its shorthand."""
+    """Bisection with an inclusion algebra, "ia" or "raa", and for "ia" with a `stack`; "ia", "raa" and "ia-stack" are its shorthand."""
 
     algebra: str = "raa"
+    stack: bool = False
 
     def __post_init__(self) -> None:
         if self.algebra not in ("ia", "raa"):
             raise ArgumentError(f'algebra must be "ia" or "raa", not {self.algebra!r}')
+        if self.stack not in (True, False):
+            raise ArgumentError(f"stack must be True or False, not {self.stack!r}")
+        if self.stack and self.algebra != "ia":
+            raise ArgumentError('bisection with a stack is there for algebra "ia" only')
 
     @property
     def name(self) -> str:
         """The method's name in `methods()`."""
-        return self.algebra
+        return f"{self.algebra}-stack" if self.stack else self.algebra
 
 
 @dataclass(frozen=True)
@@ -83,6 +90,54 @@ class CsgAnalytic:
         return "csg-analytic"
 
 
+@dataclass(frozen=True)
+class Marching:
+    """Steps along the ray, `steps` of them between the bounds: with the sign `test` or S3's "taylor", of equal length or `adaptive`.
+
+    "marching-sign", "marching-taylor", "adaptive-sign" and "adaptive-taylor" are its shorthand.
+    """
+
+    test: str = "sign"
+    adaptive: bool = False
+    steps: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.test not in ("sign", "taylor"):
+            raise ArgumentError(f'test must be "sign" or "taylor", not {self.test!r}')
+        if self.adaptive not in (True, False):
+            raise ArgumentError(f"adaptive must be True or False, not {self.adaptive!r}")
+        checked_steps(self.steps)
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return f"{'adaptive' if self.adaptive else 'marching'}-{self.test}"
+
+
+@dataclass(frozen=True)
+class SampledNewton:
+    """`steps` of equal length along the ray, then Newton's method and regula falsi; "sampled-newton" is its shorthand."""
+
+    steps: int | None = None
+
+    def __post_init__(self) -> None:
+        checked_steps(self.steps)
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return "sampled-newton"
+
+
+def checked_steps(steps: Any) -> int | None:
+    """Steps of a method that samples: a whole number, or None for its own."""
+    if steps is None:
+        return None
+    if not isinstance(steps, (int, np.integer)) or isinstance(steps, bool) or not 0 < steps <= MAX_STEPS:
+        raise ArgumentError(f"steps must be a whole number from 1 to {MAX_STEPS}, not {steps!r}")
+    return int(steps)
+
+
 def _as_it_is(f: Expr, isovalue: float | None) -> Expr:
     return f
 
@@ -92,7 +147,8 @@ class Entry:
     """A method as it runs: kernels/<finder>.cl, with an algebra, whether it asks the formula of `Clip`, and what it reads of f
     along the ray (kReaders in cpp/kernel/assemble.cpp).
 
-    `prepare` takes a formula and an isovalue and gives the formula that the kernel is made from, or raises MethodError.
+    `prepare` takes a formula and an isovalue and gives the formula that the kernel is made from, or raises MethodError;
+    `defines` are macros that the kernel file tests; `steps` is how many a method that samples takes.
     """
 
     method: Method
@@ -101,6 +157,8 @@ class Entry:
     clips: bool
     reads: str = "enclosures"
     prepare: Callable[[Expr, float | None], Expr] = _as_it_is
+    defines: tuple[str, ...] = ()
+    steps: int = 0
 
 
 _FRUSTUM_FINDERS = {
@@ -113,6 +171,11 @@ _FRUSTUM_FINDERS = {
 }
 
 _INCLUSION_OPTIONS = ("eps", "max_pieces")
+_SAMPLED_OPTIONS = ("eps", "steps", "max_pieces")
+
+MAX_STEPS = 1 << 20  # a little less than positions on a ray that single precision tells apart
+FIXED_STEPS = 200  # S3 takes 50 to 400, by surface
+ADAPTIVE_STEPS = 100  # and 24 to 100
 
 # To add a method: its row here, and kernels/<finder>.cl.
 ENTRIES = MappingProxyType({
@@ -122,6 +185,8 @@ ENTRIES = MappingProxyType({
                      "S1 section 4.2: stackless bisection by interval arithmetic"), "bisection", "ia", True),
         Entry(Method("raa", "every formula", "inclusion", _INCLUSION_OPTIONS,
                      "S1 section 4.3: stackless bisection by reduced affine arithmetic"), "bisection", "raa", True),
+        Entry(Method("ia-stack", "every formula", "inclusion", _INCLUSION_OPTIONS,
+                     "S4 section 3.1.2: bisection by interval arithmetic with a stack, to compare"), "ia_stack", "ia", True),
         Entry(Method("contract", "every formula", "inclusion", _INCLUSION_OPTIONS,
                      "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"), "contract", "raa", True),
         *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
@@ -134,6 +199,17 @@ ENTRIES = MappingProxyType({
                      "S3, S4 section 3.1.1: closed forms along the ray"), "analytic", "raa", False, "coefficients", closed_polynomial),
         Entry(Method("csg-analytic", "polynomials up to degree 4 under Min, Max and R-functions", "numerical", (),
                      "S4 section 4.1.2: closed forms of the leaves, the tree decides"), "csg_analytic", "raa", False, "coefficients", set_form),
+        *(Entry(Method(f"{kind}-{test}", "every formula", "sampled", _SAMPLED_OPTIONS, f"S3: {what} points, {test.title()} test"),
+                "marching", "point", True, reads, defines=defines, steps=steps)
+          for kind, test, what, reads, defines, steps in (
+              ("marching", "sign", "marching", "slopes", (), FIXED_STEPS),
+              ("marching", "taylor", "marching", "slopes", ("TAYLOR",), FIXED_STEPS),
+              ("adaptive", "sign", "adaptive marching", "gradients", ("ADAPTIVE",), ADAPTIVE_STEPS),
+              ("adaptive", "taylor", "adaptive marching", "gradients", ("ADAPTIVE", "TAYLOR"), ADAPTIVE_STEPS),
+          )),
+        Entry(Method("sampled-newton", "every formula", "sampled", _SAMPLED_OPTIONS,
+                     "S4 section 3.1.3: sampled search, then Newton's method and regula falsi"),
+              "marching", "point", True, "slopes", defines=("FALSI",), steps=FIXED_STEPS),
     )
 })  # fmt: skip
 

@@ -37,6 +37,7 @@ def render(
     *,
     isovalue: float | None = None,
     max_pieces: int | None = None,
+    steps: int | None = None,
     time_limit: float | None = None,
     outputs: Collection[str] = ("rgb", "normal"),
     normals: str = "gradient",
@@ -57,7 +58,7 @@ def render(
             intersection. Clipped surfaces are open, not capped. Default: the named surface's, else 2.
         camera: `Camera`; default: the named surface's, else one with the bounds in view.
         size: (width, height) in pixels.
-        method: a name of `methods()`, or a `Bisection`.
+        method: a name of `methods()`, or an object with its options: `Bisection`, `Contraction`, `Marching`, `SampledNewton`.
         eps: the width that a hit's bracket is to reach, in units of distance. Default: a thousandth
             of half the largest side of the bounds.
         params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing.
@@ -66,6 +67,7 @@ def render(
         rounding: "outward": every step is rounded so that MISS and HIT are proven; "fast": none is.
         isovalue: draws f = isovalue; changing it compiles nothing.
         max_pieces: pieces that one ray may look at before it is UNRESOLVED.
+        steps: along each ray inside the bounds, by the methods that sample; the adaptive ones shorten and lengthen them.
         time_limit: seconds after which the rest of the frame is left UNRESOLVED.
         outputs: of "rgb", "normal" and "pieces" (how many pieces each ray took) those that are
             wanted; kernels contain nothing else.
@@ -105,7 +107,7 @@ def render(
         raise ArgumentError(f'outputs is a collection of "rgb", "normal" and "pieces", not {outputs!r}')
     request, reason = finder_request(
         f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, progress,
-        frames=True,
+        frames=True, steps=steps,
     )
     request |= {
         "want": set(outputs),

@@ -14,15 +14,17 @@ from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
-from implicitrt.methods import ENTRIES, resolve
+from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 
 
 def finder_request(
     f: Any, expr: Expr, bounds: Bounds, method: Any, eps: float | None, params: Mapping[str, float] | None,
     device: str | None, precision: str, rounding: str, isovalue: float | None, max_pieces: int | None,
-    time_limit: float | None, progress: Callable[[float], None] | None, *, frames: bool = False,
+    time_limit: float | None, progress: Callable[[float], None] | None, *, frames: bool = False, steps: int | None = None,
+    shortest: float = 1.0,
 ) -> tuple[dict[str, Any], str]:  # fmt: skip
-    """The part of a request that render and trace share, and why its method was chosen."""
+    """The part of a request that render and trace share, and why its method was chosen; `shortest`: the length of the shortest
+    direction."""
     entry, reason = resolve(method, expr, frames and not bounds.clips)
     if bounds.clips and not entry.clips:
         able = ", ".join(sorted(name for name, e in ENTRIES.items() if e.clips))
@@ -30,6 +32,12 @@ def finder_request(
     one_of(rounding, "rounding", ("outward", "fast"))
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
+    steps = _steps(entry, method, steps)
+    width = bounds.default_eps if eps is None else positive(eps, "eps")
+    opened = open_device(device)
+    one_of(precision, "precision", ("auto", "single", "double"))
+    if entry.steps and precision == "auto":
+        precision = "double" if opened.fp64 and width * shortest < bounds.single_resolution else "single"
     request = {
         "formula": entry.prepare(expr, isovalue)._node,
         "method": entry.method.name,
@@ -37,20 +45,36 @@ def finder_request(
         "finder": entry.finder,
         "or_march": method == "auto",
         "reads": entry.reads,
+        "defines": list(entry.defines),
+        "steps": steps,
         "algebra": entry.algebra,
         "beams": getattr(method, "beams", None),
-        "precision": one_of(precision, "precision", ("auto", "single", "double")),
+        "precision": precision,
         # What samples proves nothing, however it rounds.
         "rounding": rounding if entry.method.guarantee == "inclusion" else "fast",
-        "eps": bounds.default_eps if eps is None else positive(eps, "eps"),
+        "eps": width,
         "params": request_parameters(f, expr, params, bounds),
         "isovalue": None if isovalue is None else finite(isovalue, "isovalue"),
-        "max_pieces": int(max_pieces or 0),
+        # Enough for the shortest steps of the adaptive march.
+        "max_pieces": int(max_pieces or (16 * steps + 4096 if steps else 0)),
         "time_limit": None if time_limit is None else positive(time_limit, "time_limit"),
         "progress": progress,
-        "device": open_device(device),
+        "device": opened,
     } | bounds.request()
     return request, reason
+
+
+def _steps(entry: Entry, method: Any, steps: int | None) -> int:
+    """How many steps a method that samples takes; 0 for the others."""
+    own = getattr(method, "steps", None)
+    if steps is None:
+        return own or entry.steps
+    if not entry.steps:
+        able = ", ".join(name for name, e in ENTRIES.items() if e.steps)
+        raise ArgumentError(f"steps are for methods that sample ({able}); {entry.method.name} chooses its own")
+    if own is not None:
+        raise ArgumentError(f"steps are given twice: {own} to the method and {steps} to the call")
+    return checked_steps(steps) or 0
 
 
 def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, started: float, parsed: float) -> Stats:

@@ -37,13 +37,14 @@ def trace(
     *,
     isovalue: float | None = None,
     max_pieces: int | None = None,
+    steps: int | None = None,
     time_limit: float | None = None,
 ) -> Hits:
     """Traces any batch of rays to the first zero of f.
 
     Args:
-        f, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit: as in
-            `render`; eps and t count in lengths of the direction.
+        f, method, eps, params, device, precision, rounding, isovalue, max_pieces, steps, time_limit:
+            as in `render`; eps and t count in lengths of the direction.
         origins, directions: (3,) or (N, 3), any float type; they broadcast.
         tmin, tmax: the part of each ray that counts; numbers or (N,).
         bounds: as in `render`; default: the named surface's, else none, and then tmax must be finite.
@@ -58,7 +59,8 @@ def trace(
     expr = sympify(f)
     o, d, near, far, region = ray_batch(f, origins, directions, tmin, tmax, bounds)
     request, reason = finder_request(
-        f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, None
+        f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, None,
+        steps=steps, shortest=float(np.sqrt((d * d).sum(axis=1)).min(initial=np.inf)),
     )
     request |= {
         "want": {"normal"},
