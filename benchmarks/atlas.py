@@ -41,7 +41,7 @@ A picture is *right* where at most {right:.0%} of its pixels are anything else. 
 
 {table}
 
-[S2's tables of errors and insertions](frustum.md) are redone beside the printed ones.
+[S2's tables of errors and insertions](frustum.md) and [S3's of frames per second](table_s3.md) are redone beside the printed ones.
 
 """
 
