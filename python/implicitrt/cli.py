@@ -195,13 +195,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(describe())
         else:
             _list()
+        sys.stdout.flush()
+    except BrokenPipeError:  # before OSError, which it is: the reader of a pipe has had enough (| head), no error
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except (Error, OSError) as error:
         print(f"implicitrt: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("implicitrt: interrupted; nothing was written", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
     return 0

@@ -55,7 +55,7 @@ class Stats:
     width: int
     rounding: str
     builds: int
-    seconds: Mapping[str, float]  # parse, build, launch, kernel, total
+    seconds: Mapping[str, float]  # parse, build, launch, kernel, total; prepare (coefficients), driver (its first use)
     counts: Mapping[str, int] = field(default_factory=dict)  # by status
     wide: int = 0  # HITs whose bracket is wider than eps
     escalated: int = 0  # pixels redone in double

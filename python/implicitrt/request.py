@@ -34,7 +34,9 @@ def finder_request(
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
     steps = _steps(entry, method, steps)
     width = bounds.default_eps if eps is None else positive(eps, "eps")
+    asked = time.perf_counter()
     opened = open_device(device)
+    opening = time.perf_counter() - asked
     one_of(precision, "precision", ("auto", "single", "double"))
     if entry.steps and precision == "auto":
         precision = "double" if opened.fp64 and width * shortest < bounds.single_resolution else "single"
@@ -60,6 +62,7 @@ def finder_request(
         "time_limit": None if time_limit is None else positive(time_limit, "time_limit"),
         "progress": progress,
         "device": opened,
+        "opening": opening,
     } | bounds.request()
     return request, reason
 
@@ -84,6 +87,8 @@ def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, start
     depth = result["depth"]
     double = depth.dtype == np.float64
     method = request["method"]
+    # A driver is looked for, probed and loaded once in a process: seconds, which no parser took.
+    driver = {"driver": request["opening"]} if request["opening"] > 1e-3 else {}
     if result.get("marched"):
         method, reason = "contract", "the frustum form was refused: coefficients leave the range of doubles, or a parameter is no polynomial's"
     return Stats(
@@ -93,6 +98,6 @@ def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, start
         precision="double" if double and request["precision"] == "double" else
                   "single and double" if double else "single",
         width=result["width"], rounding=request["rounding"], builds=int(result["builds"]),
-        seconds={"parse": parsed - started, **result["seconds"], "total": time.perf_counter() - started},
+        seconds={"parse": parsed - started - sum(driver.values()), **driver, **result["seconds"], "total": time.perf_counter() - started},
         counts={s.name: n for s, n in zip(Status, result["counts"], strict=True)}, wide=int(result["wide"]), escalated=int(result["escalated"]),
     )  # fmt: skip
