@@ -37,10 +37,7 @@
 static inline I window_end(I position, I halt) { return min((position + (halt << AHEAD)) & -halt, PATH_END); }
 #endif
 
-// eps in units of the path, a little less for rounding; and the longest step that is no longer.
-static inline F wanted_units(const RAY* ray, const PATH* path, __global const real* q) {
-  return (F)EPS / (NARROW(ray->length) * path->unit) * (R(1.0) - R(8.0) * ULP);
-}
+// The longest step of a power of two units that is no longer than `wanted`.
 static inline I longest_step(F wanted) { return TO_I(POWER_OF_TWO_BELOW(clamp(wanted, (F)1, TO_F(PATH_END)))); }
 
 #if IRT_OUTWARD

@@ -64,7 +64,7 @@ static inline CUT contract(FORM f, F from, F step) {
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER) {
   PATH path = make_path(ray, range, q);
   // The longest bracket, and the longest step whose piece and margin make one.
-  const F wanted = clamp((F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP), (F)1, UNITS);
+  const F wanted = clamp(wanted_units(ray, &path, q), (F)1, UNITS);
 #if IRT_OUTWARD
   F stop = max(WHOLE(wanted / (R(1.0) + MARGIN) - R(0.5)), (F)1);
 #else

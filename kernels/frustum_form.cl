@@ -68,6 +68,43 @@ static inline void restrict_to(F* c, F lo, F hi) {
     for (int i = N - 1; i >= n; --i) c[i] = mixed(c[i - 1], c[i], share);
 }
 
+// The polynomial over the part of the cell that counts, into c; returns the error of its coefficients.
+static inline F begin_with(const CELL* cell, I lanes, F* c) {
+  for (int k = 0; k < N; ++k) c[k] = cell->c[k];
+  if (!ANY(lanes & (GT(cell->lo, (F)0) | LT(cell->hi, (F)1)))) return cell->error;
+  restrict_to(c, cell->lo, cell->hi);
+  return fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error);
+}
+
+// Cuts c: the part before the share into `front`, the part behind it into `rest`.
+static inline void cut_at(const F* c, F share, F* front, F* rest) {
+  for (int k = 0; k < N; ++k) rest[k] = c[k];
+  for (int k = 0; k < N; ++k) {
+    front[k] = rest[0];
+    for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
+  }
+}
+
+// A march goes on from [a, b], cut at x, with the part `behind` or the one `ahead` of the cut. What lies behind a piece that was free is
+// taken anew from the cell's own coefficients: nothing is kept on a stack. Returns the lanes that have come to the end of the cell.
+static inline I go_on(const CELL* cell, F x, const F* front, F* rest, F next_error, I behind, I ahead, F* c, F* a, F* b, F* error) {
+  const I whole = behind & one_sign(rest, next_error);
+  for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
+  *a = SELECT(behind, x, *a);
+  *b = SELECT(ahead, x, *b);
+  *error = SELECT(behind | ahead, next_error, *error);
+  const I done = whole & GE(*b, cell->hi), resumes = whole & ~done;
+  if (ANY(resumes)) {
+    for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
+    restrict_to(rest, *b, cell->hi);
+    for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
+    *a = SELECT(resumes, *b, *a);
+    *b = SELECT(resumes, cell->hi, *b);
+    *error = SELECT(resumes, fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error), *error);
+  }
+  return done;
+}
+
 // Exactly one root and simple: signs change once, whatever the one coefficient is that may not be told from zero.
 static inline I one_root(const F* c, F error, F sign) {
   I other = NONE, doubtful = NONE, bad = LE(sign * c[0], error);

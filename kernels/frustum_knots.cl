@@ -12,16 +12,11 @@ static inline F knot_of(F zero, F last, F before);
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found) {
   F c[MOST_COEFFICIENTS], t[MOST_COEFFICIENTS + N];
   for (int k = 0; k < N; ++k) {
-    c[k] = cell->c[k];
     t[k] = (F)0;
     t[N + k] = (F)1;
   }
-  F error = cell->error;
+  F error = begin_with(cell, lanes, c);
   const F start = cell->lo, length = cell->hi - cell->lo;
-  if (ANY(lanes & (GT(cell->lo, (F)0) | LT(cell->hi, (F)1)))) {
-    restrict_to(c, cell->lo, cell->hi);
-    error = fma((F)(R(2.0) * CUT_ERROR), cell->size, error);
-  }
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   F last = (F)-4, before = (F)-8;
   I widenings = NONE, isolated = NONE;  // exactly one root is left

@@ -48,44 +48,21 @@ static inline void close_in(const CELL* cell, const F* c, F a, F b, F sign, I la
 }
 
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found) {
-  F c[N];
-  for (int k = 0; k < N; ++k) c[k] = cell->c[k];
-  F a = cell->lo, b = cell->hi, error = cell->error;
-  if (ANY(lanes & (GT(a, (F)0) | LT(b, (F)1)))) {
-    restrict_to(c, a, b);
-    error = fma((F)(R(2.0) * CUT_ERROR), cell->size, error);
-  }
+  F c[N], front[N], rest[N];
+  F a = cell->lo, b = cell->hi, error = begin_with(cell, lanes, c);
   // No sign changes before the first root.
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   lanes &= ~one_sign(c, error);
   I isolated = lanes & one_root(c, error, sign);
-  // The march of frustum_pieces.cl: what lies behind a piece that was free is taken anew from the cell's own coefficients.
   I moves = lanes & ~isolated;
   for (int n = 0; n < MOST_HALVINGS && n < max_pieces && ANY(moves); ++n) {
     COUNT(moves)
     const F x = fma((F)HALF_AND_A_LITTLE, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
-    F front[N], rest[N];
-    for (int k = 0; k < N; ++k) rest[k] = c[k];
-    for (int k = 0; k < N; ++k) {
-      front[k] = rest[0];
-      for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], (F)HALF_AND_A_LITTLE);
-    }
-    const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind, whole = behind & one_sign(rest, next_error);
-    for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
-    a = SELECT(behind, x, a);
-    b = SELECT(ahead, x, b);
-    error = SELECT(moves, next_error, error);
-    const I done = whole & GE(b, cell->hi), resumes = whole & ~done;
+    cut_at(c, (F)HALF_AND_A_LITTLE, front, rest);
+    const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind;
+    const I done = go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);
     moves &= ~done;
     lanes &= ~done;
-    if (ANY(resumes)) {
-      for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
-      restrict_to(rest, b, cell->hi);
-      for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
-      a = SELECT(resumes, b, a);
-      b = SELECT(resumes, cell->hi, b);
-      error = SELECT(resumes, fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error), error);
-    }
     const I alone = moves & one_root(c, error, sign);
     isolated |= alone;
     moves &= ~alone & GE(b - a, (F)(R(16.0) * ULP));  // roots closer together than the precision tells apart

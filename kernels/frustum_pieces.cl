@@ -11,13 +11,8 @@
 static inline F cut_of(const F* c, F sign, F last, F before, F a, F b);
 
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found) {
-  F c[N], rest[N];
-  for (int k = 0; k < N; ++k) c[k] = cell->c[k];
-  F a = cell->lo, b = cell->hi, error = cell->error;
-  if (ANY(lanes & (GT(a, (F)0) | LT(b, (F)1)))) {
-    restrict_to(c, a, b);
-    error = fma((F)(R(2.0) * CUT_ERROR), cell->size, error);
-  }
+  F c[N], front[N], rest[N];
+  F a = cell->lo, b = cell->hi, error = begin_with(cell, lanes, c);
   // No sign changes before the first root.
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   F last = (F)-4, before = (F)-8;  // the latest estimates of the root
@@ -30,13 +25,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     const F cut = cut_of(c, sign, last, before, a, b), beyond = max(R(4.0) * cell->reach / (b - a), (F)R(0.015625));
     const F share = SELECT(isolated, cut, min(cut + beyond, R(0.5) + R(0.5) * cut));
     const F x = fma(share, b - a, a);
-    for (int k = 0; k < N; ++k) rest[k] = c[k];
-    // `rest` becomes the part behind the cut, c the part before it.
-    F front[N];
-    for (int k = 0; k < N; ++k) {
-      front[k] = rest[0];
-      for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
-    }
+    cut_at(c, share, front, rest);
     const F next_error = fma((F)CUT_ERROR, size, error), at_cut = sign * rest[0];
     const I settled = lanes & isolated & (LT(fabs(x - last), cell->reach) | LE(fabs(at_cut), next_error) | LT(b - a, cell->reach));
     I failed = NONE;
@@ -55,24 +44,9 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     }
     const I free = one_sign(front, next_error);
     const I moves = lanes & ~failed, behind = moves & (free | (isolated & GT(at_cut, (F)0))), ahead = moves & ~behind;
-    // A piece that was free all along ends the cell, or hands over to what the march had cut off.
     before = SELECT(moves, last, before);
     last = SELECT(moves, x, last);
-    const I whole = behind & one_sign(rest, next_error);
-    for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
-    a = SELECT(behind, x, a);
-    b = SELECT(ahead, x, b);
-    error = SELECT(moves, next_error, error);
-    const I done = whole & GE(b, cell->hi), resumes = whole & ~done;
-    lanes &= ~done;
-    if (ANY(resumes)) {
-      for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
-      restrict_to(rest, b, cell->hi);
-      for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
-      a = SELECT(resumes, b, a);
-      b = SELECT(resumes, cell->hi, b);
-      error = SELECT(resumes, fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error), error);
-    }
+    lanes &= ~go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);
     // Roots closer together than the precision tells apart.
     const I stuck = lanes & LT(b - a, (F)(R(16.0) * ULP)) & ~settled;
     found->open |= stuck;

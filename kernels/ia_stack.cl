@@ -27,7 +27,7 @@ static inline I pop(const I* stack, I* height, I lanes) {
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
-  const F wanted = (F)EPS / (NARROW(ray->length) * path.unit) * (R(1.0) - R(8.0) * ULP);
+  const F wanted = wanted_units(ray, &path, q);
   I stop = TO_I(clamp(wanted / (R(1.0) + MARGIN), (F)1, TO_F(PATH_END)));
   I active = LE(range->out0, range->out1), hits = NONE, open = NONE, wild = NONE;
   I from = NONE, end = PATH_END, height = NONE, stack[HEIGHT];

@@ -71,12 +71,12 @@ __attribute__((noinline)) void shade_packet(const size_t column, const size_t ro
     n.z = SELECT(good, z * unit, n.z);
   }
 #if IRT_NORMAL
-  STORE_FLOAT(n.x, normal + at);
-  STORE_FLOAT(n.y, normal + (size_t)plane + at);
-  STORE_FLOAT(n.z, normal + 2 * (size_t)plane + at);
+  STORE(TO_FLOATS(n.x), normal + at);
+  STORE(TO_FLOATS(n.y), normal + (size_t)plane + at);
+  STORE(TO_FLOATS(n.z), normal + 2 * (size_t)plane + at);
 #endif
 #if IRT_RGB
-  STORE_UINT(shade(status, n.front, n.x, n.y, n.z, vx, vy, vz, background, q), rgba + at);
+  STORE(shade(status, n.front, n.x, n.y, n.z, vx, vy, vz, background, q), rgba + at);
 #endif
 }
 

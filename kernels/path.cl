@@ -76,6 +76,11 @@ static inline PATH make_path(const RAY* ray, const RANGE* range, __global const 
   return path;
 }
 
+// eps in units of the path, a little less for rounding.
+static inline F wanted_units(const RAY* ray, const PATH* path, __global const real* q) {
+  return (F)EPS / (NARROW(ray->length) * path->unit) * (R(1.0) - R(8.0) * ULP);
+}
+
 // What is known of the units [lo, hi], as a result.
 static inline ROOT report(const PATH* path, __global const real* q, I status, F lo, F hi) {
   ROOT root;

@@ -33,7 +33,7 @@ typedef struct {
 #endif
 #else
 typedef size_t PLACE;
-#define PUT(T, v, to) STORE_AS(v, (to) + at)
+#define PUT(T, v, to) STORE(v, (to) + at)
 #endif
 
 // The same for rays that are known to miss.

@@ -197,8 +197,8 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = !options.by_frustum() ? render::render_frame(program, formulas, view, bounds, options, *device)
-                                    : render::render_frustum(program, formulas, view, bounds, options, *device);
+    answer = options.by_frustum() ? render::render_frustum(program, formulas, view, bounds, options, *device)
+                                   : render::render_frame(program, formulas, view, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
@@ -219,8 +219,8 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = !options.by_frustum() ? render::trace_rays(program, formulas, rays, bounds, options, *device)
-                                    : render::trace_frustum(formulas, rays, bounds, options, *device);
+    answer = options.by_frustum() ? render::trace_frustum(formulas, rays, bounds, options, *device)
+                                   : render::trace_rays(program, formulas, rays, bounds, options, *device);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);
@@ -249,8 +249,9 @@ std::string kernel_source(const Expr& f, const py::dict& request) {
   const program::Program program = program_of(f, request);
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   const render::Options options = picture_options(request, program);
-  return !options.by_frustum() ? render::frame_source(program, bounds_of(request), options, *device)
-                                : render::frustum_source(level_of(f, request), get<std::map<std::string, double>>(request, "params"), bounds_of(request), options, *device);
+  return options.by_frustum()
+             ? render::frustum_source(level_of(f, request), get<std::map<std::string, double>>(request, "params"), bounds_of(request), options, *device)
+             : render::frame_source(program, bounds_of(request), options, *device);
 }
 
 }  // namespace

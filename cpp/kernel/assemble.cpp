@@ -65,14 +65,9 @@ std::string prelude(const Spec& spec) {
                         spec.split ? fmt::format("convert_float{}(v)", w) : "(v)", spec.width == 1 ? "(*(p))" : fmt::format("vload{}(0, p)", w));
   }
   if (spec.width == 1) {
-    text += "#define LOAD(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n"
-            "#define STORE_BYTES(v, p) (*(p) = convert_uchar(v))\n#define STORE_FLOAT(v, p) (*(p) = convert_float(v))\n"
-            "#define STORE_UINT(v, p) (*(p) = (v))\n#define STORE_AS(v, p) (*(p) = (v))\n";
+    text += "#define LOAD(p) (*(p))\n#define STORE(v, p) (*(p) = (v))\n";
   } else {
-    text += fmt::format("#define LOAD(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n"
-                        "#define STORE_BYTES(v, p) vstore{0}(convert_uchar{0}(v), 0, p)\n"
-                        "#define STORE_FLOAT(v, p) vstore{0}(convert_float{0}(v), 0, p)\n#define STORE_UINT(v, p) vstore{0}(v, 0, p)\n#define STORE_AS(v, p) vstore{0}(v, 0, p)\n",
-                        spec.width);
+    text += fmt::format("#define LOAD(p) vload{0}(0, p)\n#define STORE(v, p) vstore{0}(v, 0, p)\n", spec.width);
   }
   return text;
 }

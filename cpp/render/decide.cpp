@@ -149,22 +149,25 @@ std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& 
   return decide(answer, where, rays, tmin.data(), tmax.data(), formulas, query, options);
 }
 
+namespace {
+numerics::Ray ray_of(const Rays& rays, std::size_t i) {
+  const double *o = rays.origins + 3 * i, *d = rays.directions + 3 * i;
+  return {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}};
+}
+}  // namespace
+
 std::vector<numerics::Ray> rays_of(const Rays& rays) {
   std::vector<numerics::Ray> out;
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    const double *o = rays.origins + 3 * i, *d = rays.directions + 3 * i;
-    out.push_back({{o[0], o[1], o[2]}, {d[0], d[1], d[2]}});
-  }
+  for (std::size_t i = 0; i < rays.count; ++i) out.push_back(ray_of(rays, i));
   return out;
 }
 
 std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size_t>& where, const Rays& rays, const Formulas& formulas,
                                      const numerics::Query& query, const Options& options) {
-  const std::vector<numerics::Ray> all = rays_of(rays);
   std::vector<numerics::Ray> some;
   std::vector<double> tmin, tmax;
   for (const std::size_t i : where) {
-    some.push_back(all[i]);
+    some.push_back(ray_of(rays, i));
     tmin.push_back(rays.tmin[i]);
     tmax.push_back(rays.tmax[i]);
   }

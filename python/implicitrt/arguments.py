@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from implicitrt import _core
 from implicitrt.bounds import Bounds
+from implicitrt.camera import number
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, check_parameter_names
 from implicitrt.surfaces import NamedSurface
@@ -25,25 +25,17 @@ def one_of(value: Any, what: str, allowed: tuple[str, ...]) -> str:
 
 
 def positive(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{what} must be a positive number, not {value!r}") from None
-    if not (math.isfinite(number) and number > 0):
-        raise ArgumentError(f"{what} must be positive and finite, not {value!r}")
-    return number
+    found = number(value, what)
+    if found <= 0:
+        raise ArgumentError(f"{what} must be positive, not {value!r}")
+    return found
 
 
 def finite(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{what} must be a number, not {value!r}") from None
-    if not math.isfinite(number):
-        raise ArgumentError(f"{what} must be finite, not {number}")
-    if abs(number) > 1e30:
-        raise ArgumentError(f"{what} must lie within 1e30 of zero, not at {number}")
-    return number
+    found = number(value, what)
+    if abs(found) > 1e30:
+        raise ArgumentError(f"{what} must lie within 1e30 of zero, not at {found}")
+    return found
 
 
 def request_parameters(

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from implicitrt.camera import point
+from implicitrt.camera import number, point
 from implicitrt.errors import ArgumentError
 from implicitrt.expression import Expr, ExprLike, Max, sympify
 
@@ -29,12 +29,9 @@ class Sphere:
 
     def __init__(self, center: Sequence[float], radius: float) -> None:
         object.__setattr__(self, "center", point(center, "the sphere's center"))
-        try:
-            value = float(radius)
-        except (TypeError, ValueError, OverflowError):
-            raise ArgumentError(f"the sphere's radius must be a number, not {radius!r}") from None
-        if not (math.isfinite(value) and value > 0):
-            raise ArgumentError(f"the sphere's radius must be positive and finite, not {radius!r}")
+        value = number(radius, "the sphere's radius")
+        if value <= 0:
+            raise ArgumentError(f"the sphere's radius must be positive, not {radius!r}")
         object.__setattr__(self, "radius", value)
 
 
@@ -48,10 +45,7 @@ class HalfSpace:
     def __init__(self, normal: Sequence[float], offset: float) -> None:
         vector = point(normal, "the half-space's normal")
         object.__setattr__(self, "normal", vector)
-        try:
-            value = float(offset)
-        except (TypeError, ValueError, OverflowError):
-            raise ArgumentError(f"the half-space's offset must be a number, not {offset!r}") from None
+        value = number(offset, "the half-space's offset")
         largest = max(map(abs, vector))
         if largest == 0:
             raise ArgumentError("the half-space's normal is the zero vector; give the direction that points out of it")

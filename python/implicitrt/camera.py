@@ -37,6 +37,17 @@ def point(value: Any, what: str) -> tuple[float, float, float]:
     return (float(array[0]), float(array[1]), float(array[2]))
 
 
+def number(value: Any, what: str) -> float:
+    """A finite number, or an ArgumentError that names `what`."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} must be a number, not {value!r}") from None
+    if not math.isfinite(found):
+        raise ArgumentError(f"{what} must be finite, not {value!r}")
+    return found
+
+
 @dataclass(frozen=True)
 class Camera:
     """A camera at `origin` that looks at `target`.
@@ -78,10 +89,10 @@ class Camera:
         if projection not in ("perspective", "orthographic"):
             raise ArgumentError(f'projection must be "perspective" or "orthographic", not {projection!r}')
         put(self, "projection", projection)
-        put(self, "fov", _number(fov, "fov"))
+        put(self, "fov", number(fov, "fov"))
         if not 0 < self.fov < 180:
             raise ArgumentError(f"fov must lie between 0 and 180 degrees, not {fov!r}")
-        put(self, "height", None if height is None else _number(height, "height"))
+        put(self, "height", None if height is None else number(height, "height"))
         if self.height is not None and not 0 < self.height <= 1e15:
             raise ArgumentError(f"height must be positive, not {height!r}")
         self.basis()  # raises where it is degenerate
@@ -156,13 +167,3 @@ class Camera:
             "tan_half_fov": math.tan(math.radians(self.fov) / 2),
             "height": self.height,
         }
-
-
-def _number(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{what} must be a number, not {value!r}") from None
-    if not math.isfinite(number):
-        raise ArgumentError(f"{what} must be finite, not {number}")
-    return number

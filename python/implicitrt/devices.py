@@ -130,10 +130,10 @@ def _found() -> list[_Driver]:
         ("pocl", "pocl-binary-distribution", "libpocl"),
     ):
         with contextlib.suppress(importlib.metadata.PackageNotFoundError):
-            for file in importlib.metadata.files(package) or []:
-                exact = file.name == name or (kind == "pocl" and file.name.startswith(name))
-                if exact and ".so" in file.name:
-                    resolved = Path(str(file.locate())).resolve()
+            for packed in importlib.metadata.files(package) or []:
+                exact = packed.name == name or (kind == "pocl" and packed.name.startswith(name))
+                if exact and ".so" in packed.name:
+                    resolved = Path(str(packed.locate())).resolve()
                     if resolved.is_file():
                         drivers.append(_Driver(f"{kind} (pip)", str(resolved)))
                         break

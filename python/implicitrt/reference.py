@@ -116,7 +116,7 @@ def reference(
         ExpressionError, ArgumentError, LimitError.
     """
     if where and (len(where) > 1 and not isinstance(where[1], Camera) and where[1] is not None):
-        names = ("origins", "directions", "tmin", "tmax", "bounds")
+        names: tuple[str, ...] = ("origins", "directions", "tmin", "tmax", "bounds")
     else:
         names = ("bounds", "camera", "size")
     if len(where) > len(names):

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import implicitrt as irt
 from implicitrt import _core
 
@@ -40,6 +42,14 @@ def test_expressions_work_without_any_driver() -> None:
 def test_the_extension_links_no_opencl() -> None:
     text = Path(_core.__file__).read_bytes()
     assert b"libOpenCL" not in text
+
+
+@pytest.mark.parametrize("check", ["mypy", "stubtest"])
+def test_types(check: str) -> None:
+    stub = ["mypy.stubtest", "implicitrt._core", "--allowlist", str(Path(__file__).with_name("stub_allowlist.txt"))]
+    command = {"mypy": ["mypy", str(ROOT / "python" / "implicitrt")], "stubtest": stub}[check]
+    done = subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_files_are_inside() -> None:
