@@ -378,7 +378,12 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   const std::size_t pixels = answer.columns * answer.rows;
   const auto marches = [&](std::size_t share, std::size_t least) {
     if (!options.or_march || open.size() <= std::max(pixels / share, least)) return false;
-    scatter(answer, camera_passes(program, unclipped, view, bounds, marching(options), device, &open, answer.pitch), open);
+    Options march = marching(options);
+    // Roots that are found, but wider than eps, are so in every way that single precision has.
+    const unsigned char* status = answer.status->as<unsigned char>();
+    if (2 * std::count_if(open.begin(), open.end(), [&](std::size_t i) { return status[i] == 1; }) > static_cast<std::ptrdiff_t>(open.size()))
+      march.precision = PrecisionMode::Double;
+    scatter(answer, camera_passes(program, unclipped, view, bounds, march, device, &open, answer.pitch), open);
     return true;
   };
   if (marches(kDoubleShare, kDoubleLeast)) return answer;

@@ -7,7 +7,6 @@ import html
 import io
 import statistics
 import sys
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from implicitrt.errors import ArgumentError, Error
+from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr, ExprLike, sympify
 from implicitrt.frame import Frame, Status
 from implicitrt.methods import methods as known_methods
@@ -196,15 +195,13 @@ def _values(e: Expr, points: npt.NDArray[np.float64], params: dict[str, float]) 
 
 
 def _judged(
-    name: str, method: str, eps: float, frames: list[Frame], limit: float, truth: Reference, normals: Any
+    name: str, method: str, eps: float, frame: Frame, milliseconds: float, limit: float, truth: Reference, normals: Any
 ) -> Point:
-    frame = frames[-1]
     both = truth.hit & frame.hit
     with np.errstate(invalid="ignore"):
         error = np.abs(frame.depth - truth.depth)[both]
         cosine = np.clip((frame.normal * normals).sum(-1), -1, 1)[both]
     angle = np.arccos(cosine[np.isfinite(cosine)])
-    milliseconds = 1e3 * statistics.median(f.stats.seconds["kernel"] for f in frames)
     status = frame.status
     return Point(
         formula=name, method=method, eps=eps, milliseconds=milliseconds, of_limit=milliseconds / limit,
@@ -215,6 +212,30 @@ def _judged(
         touching=int((status == Status.TOUCH).sum()), unresolved=int((status == Status.UNRESOLVED).sum()),
         wide=frame.stats.wide, ran=f"{frame.stats.method}, {frame.stats.precision}",
     )  # fmt: skip
+
+
+def _in_turns(
+    f: Any, methods: Sequence[Any], runs: int, keywords: dict[str, Any]
+) -> tuple[dict[str, Frame], dict[str, list[float]], bool]:
+    """The last frame and the milliseconds of each method that takes the formula, and whether Ctrl-C cut it short. Methods take
+    turns, so that other load on the machine hits all alike; the first turn does not count."""
+    last: dict[str, Frame] = {}
+    times: dict[str, list[float]] = {}
+    able = {m if isinstance(m, str) else repr(m): m for m in methods}
+    try:
+        for run in range(runs + 1):
+            for label, method in list(able.items()):
+                try:
+                    frame = render(f, method=method, **keywords)
+                except MethodError:  # it does not take this formula
+                    del able[label]
+                    continue
+                if run:
+                    last[label] = frame
+                    times.setdefault(label, []).append(1e3 * frame.stats.seconds["kernel"])
+    except KeyboardInterrupt:
+        return last, times, True
+    return last, times, False
 
 
 def compare(
@@ -238,7 +259,7 @@ def compare(
         eps: a number or several, in units of distance.
         size: of the pictures, (width, height).
         bounds: as in `render`, for all of the formulas.
-        runs: timed frames, whose median counts; one more goes before them.
+        runs: timed frames of each point, whose median counts; one more goes before them. Methods take turns.
         precision, rounding: as in `render`.
         progress: called with a line for each point; default: a line on standard error where that is a terminal.
 
@@ -275,24 +296,15 @@ def compare(
             used, camera = looks[0].stats.device, looks[0].camera
             truth = reference(formula, bounds=bounds, size=size)
             normals = true_normals(formula, truth, camera, size)
-            for method in chosen:
-                for width in widths:
-                    started = time.perf_counter()
-                    try:
-                        frames = [
-                            render(formula, eps=width, method=method, rounding=rounding, **keywords)
-                            for _ in range(runs + 1)
-                        ]
-                    except Error as error:
-                        if type(error).__name__ != "MethodError":
-                            raise
-                        continue  # this method does not take this formula
-                    label = method if isinstance(method, str) else type(method).__name__
-                    points.append(_judged(name, label, width, frames[1:], limit, truth, normals))
+            for width in widths:
+                last, times, interrupted = _in_turns(formula, chosen, runs, {"eps": width, "rounding": rounding, **keywords})
+                for method, frame in last.items():
+                    points.append(_judged(name, method, width, frame, statistics.median(times[method]), limit, truth, normals))
                     if progress:
                         p = points[-1]
-                        progress(f"{name}  {label}  eps {width:g}: {p.milliseconds:.1f} ms, largest error {p.largest_error:.1e} "
-                                 f"({time.perf_counter() - started:.1f} s)")  # fmt: skip
+                        progress(f"{name}  {method}  eps {width:g}: {p.milliseconds:.1f} ms, largest error {p.largest_error:.1e}")
+                if interrupted:
+                    return Comparison(points, size, used, complete=False)
     except KeyboardInterrupt:
         return Comparison(points, size, used, complete=False)
     return Comparison(points, size, used)

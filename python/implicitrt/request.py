@@ -16,6 +16,10 @@ from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
 from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 
+# Where eps is below so many times what single precision resolves, it leaves so much open that starting in double is quicker
+# (docs/speed-accuracy.md).
+HOPELESS = 3.0
+
 
 def finder_request(
     f: Any, expr: Expr, bounds: Bounds, method: Any, eps: float | None, params: Mapping[str, float] | None,
@@ -38,8 +42,11 @@ def finder_request(
     opened = open_device(device)
     opening = time.perf_counter() - asked
     one_of(precision, "precision", ("auto", "single", "double"))
-    if entry.steps and precision == "auto":
-        precision = "double" if opened.fp64 and width * shortest < bounds.single_resolution else "single"
+    if precision == "auto":
+        if opened.fp64 and width * shortest < HOPELESS * bounds.single_resolution:
+            precision = "double"
+        elif entry.steps:
+            precision = "single"
     request = {
         "formula": entry.prepare(expr, isovalue)._node,
         "method": entry.method.name,
