@@ -6,7 +6,7 @@
 // tiles: where each tile's cells begin. slabs: for each cell s at its near end, its length, its error. form: [down][depth][across], and a
 // packet more behind the last. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
 #define PLANE ((N * N + W - 1) / W * W)
-#define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance
+#define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, and that of the frame before
 #define ACROSS(i) (basis + 16 + (i) * IRT_TILE)
 #define SLOPE(i) (basis + 16 + (N + (i)) * IRT_TILE)
 
@@ -62,6 +62,10 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const bool on_screen = tile_x >= 0 && tile_y >= 0 && tile_x < tile_columns && tile_y < tile_rows;
   const int tile = on_screen ? tile_y * tile_columns + tile_x : 0, column = first % IRT_TILE, row = (int)pixel_row % IRT_TILE;
   const int end = on_screen ? tiles[tile + 1] : 0;
+#if IRT_PREVIOUS
+  // Where the frame before had its root: depths as then, from a plane through the middle of the bounds.
+  const F before = TO_F(LOAD(previous + pixel_row * previous_pitch + first)) / NARROW(ray->length) - (F)VIEW(13);
+#endif
   for (int k = on_screen ? tiles[tile] : 0; k < end && ANY(active); ++k) {
     const real near = slabs[4 * k], length = slabs[4 * k + 1], inverse = R(1.0) / length;
     const F slack = (F)(R(8.0) * ULP * RADIUS * inverse);
@@ -85,6 +89,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     cell.size = largest_of(cell.c);
     cell.in_lo = (range->in0 - near) * inverse + slack;
     cell.in_hi = (range->in1 - near) * inverse - slack;
+#if IRT_PREVIOUS
+    cell.guess = (before - near) * inverse;
+#endif
     cell.reach = R(0.45) * (F)EPS / NARROW(ray->length) * inverse;
     found.hits = found.open = NONE;
     found.lo = found.hi = (F)0;

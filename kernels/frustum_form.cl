@@ -1,6 +1,7 @@
 // What the root finders of S2 share: a polynomial along each ray of a packet, in Bernstein form over a part of the ray, with one bound of the
 // error of its coefficients. A sign counts only beyond it.
 #define N (IRT_DEGREE + 1)
+#define NEARBY R(0.0625)  // of a cell: how far roots are likely to move from frame to frame
 #define BINOMIAL(degree, i) ((degree) == IRT_DEGREE ? binomials[i] : binomials[i] * (real)((degree) + 1 - (i)) / (real)((degree) + 1))  // and one less
 
 // Pieces that each lane has looked at, where the call asks for them.
@@ -36,6 +37,9 @@ typedef struct {
   F lo, hi;          // outside, nothing counts
   F in_lo, in_hi;    // a bracket lies within
   F reach;           // of the bracket that is wanted, half
+#if IRT_PREVIOUS
+  F guess;           // where the root of the frame before lies; anywhere, or nan
+#endif
 } CELL;
 
 static inline F mixed(F a, F b, F share) { return fma(share, b - a, a); }
@@ -83,6 +87,18 @@ static inline void cut_at(const F* c, F share, F* front, F* rest) {
     front[k] = rest[0];
     for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
   }
+}
+
+// Frame coherence (S2 section 4.2, which cuts at the last frame's root): the first two cuts of a piece [a, b] go closely before that root and closely
+// behind it, so that a root that has moved little stands alone after two. Where cuts go is all that it decides: nothing is believed.
+static inline F cut_near(const CELL* cell, int cuts, F a, F b, F otherwise) {
+#if IRT_PREVIOUS
+  if (cuts > 1) return otherwise;
+  const F share = (cell->guess + (cuts ? (F)NEARBY : (F)-NEARBY) - a) / max(b - a, (F)TINY);
+  return SELECT(GT(share, (F)R(0.015625)) & LT(share, (F)R(0.984375)), share, otherwise);
+#else
+  return otherwise;
+#endif
 }
 
 // A march goes on from [a, b], cut at x, with the part `behind` or the one `ahead` of the cut. What lies behind a piece that was free is

@@ -67,7 +67,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     // Where more roots may follow, knots a little before the root have to prove that it is the first.
     const I guards = ~isolated & LT(fabs(x - last), R(0.25) * cell->reach);
     const F place_of = SELECT(guards, x - R(0.5) * cell->reach, knot_of(x, last, before));
-    const F knot = clamp(place_of - start, (F)0, length) / max(length, (F)TINY);
+    const F own = clamp(place_of - start, (F)0, length) / max(length, (F)TINY), knot = SELECT(isolated, own, cut_near(cell, count - N, start, cell->hi, own));
     before = last;
     last = x;
     // Boehm's insertion, over all coefficients: those that it does not concern get the weights 0 and 1.

@@ -57,8 +57,8 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   I moves = lanes & ~isolated;
   for (int n = 0; n < MOST_HALVINGS && n < max_pieces && ANY(moves); ++n) {
     COUNT(moves)
-    const F x = fma((F)HALF_AND_A_LITTLE, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
-    cut_at(c, (F)HALF_AND_A_LITTLE, front, rest);
+    const F share = cut_near(cell, n, a, b, (F)HALF_AND_A_LITTLE), x = fma(share, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
+    cut_at(c, share, front, rest);
     const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind;
     const I done = go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);
     moves &= ~done;

@@ -23,7 +23,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     isolated |= one_root(c, error, sign);
     // While there may be more roots than one, a little behind: a cut in a root would leave its sign unknown on both sides.
     const F cut = cut_of(c, sign, last, before, a, b), beyond = max(R(4.0) * cell->reach / (b - a), (F)R(0.015625));
-    const F share = SELECT(isolated, cut, min(cut + beyond, R(0.5) + R(0.5) * cut));
+    const F share = SELECT(isolated, cut, cut_near(cell, n, a, b, min(cut + beyond, R(0.5) + R(0.5) * cut)));
     const F x = fma(share, b - a, a);
     cut_at(c, share, front, rest);
     const F next_error = fma((F)CUT_ERROR, size, error), at_cut = sign * rest[0];

@@ -97,6 +97,19 @@ program::Program program_of(const Expr& f, const py::dict& request) {
   return program::lower(f, isovalue, &g, true);
 }
 
+// (depths (rows, columns), distance), as rows of whole packets.
+render::Previous previous_of(const py::handle& given) {
+  constexpr std::size_t kWidest = 16;
+  const auto [depth, distance] = given.cast<std::pair<py::array_t<float, py::array::c_style | py::array::forcecast>, double>>();
+  const auto rows = static_cast<std::size_t>(depth.shape(0)), columns = static_cast<std::size_t>(depth.shape(1)), pitch = (columns + kWidest - 1) / kWidest * kWidest;
+  render::Previous previous{render::Memory(rows * pitch * sizeof(float)), pitch, distance};
+  for (std::size_t row = 0; row < rows; ++row) {
+    float* to = previous.depth.as<float>() + row * pitch;
+    std::fill(std::copy_n(depth.data(static_cast<py::ssize_t>(row), 0), columns, to), to + pitch, HUGE_VALF);
+  }
+  return previous;
+}
+
 render::Options picture_options(const py::dict& request, const program::Program& program) {
   render::Options o = options_of(request, program);
   o.eps = get<double>(request, "eps");
@@ -120,6 +133,7 @@ render::Options picture_options(const py::dict& request, const program::Program&
     o.samples = get<int>(request, "samples");
     o.everywhere = get<bool>(request, "everywhere");
   }
+  if (request.contains("previous") && !request["previous"].is_none()) o.previous = previous_of(request["previous"]);
   o.control = control_of(request);
   return o;
 }
@@ -153,6 +167,7 @@ py::dict answer_dict(const render::Answer& a) {
   d["marched"] = a.marched;
   d["builds"] = a.builds;
   d["escalated"] = a.escalated;
+  d["by_reference"] = a.by_reference;
   d["counts"] = a.counts;
   d["wide"] = a.wide_hits;
   d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);

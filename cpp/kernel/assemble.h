@@ -50,6 +50,7 @@ struct Spec {
   bool along = false;    // with the derivative along the ray (program::along), by which roots are isolated
   // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.
   int degree = 0, tile = 0;
+  bool previous = false;  // with the depths of the frame before
 };
 
 // Where the files of kernels/ lie. Set once, before the first kernel.

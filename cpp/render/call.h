@@ -53,6 +53,30 @@ struct Rays {
   std::size_t count = 0;
 };
 
+// Memory that outlives the call inside NumPy arrays; aligned so that CPU drivers use it in place.
+class Memory {
+ public:
+  explicit Memory(std::size_t bytes);
+  void* data() const { return data_.get(); }
+  std::size_t bytes() const { return bytes_; }
+  template <class T>
+  T* as() const {
+    return static_cast<T*>(data_.get());
+  }
+
+ private:
+  std::shared_ptr<void> data_;
+  std::size_t bytes_;
+};
+
+// What is known of the frame before (frame coherence): its depths, `pitch` apart from row to row with whole packets in each, of a picture of the same
+// size, and how far its camera was from the plane through the middle of the bounds.
+struct Previous {
+  Memory depth;
+  std::size_t pitch;
+  double distance;
+};
+
 // What the host may ask of a formula itself: f less the isovalue, the clip formula, values of parameters by name.
 struct Formulas {
   Expr f;
@@ -85,25 +109,10 @@ struct Options {
 
   // Whether few open rays go to the reference: where statuses are proven, and no budget of pieces was set.
   bool refers() const { return outward && max_pieces == 0 && (finder == "bisection" || finder == "contract"); }
+  std::optional<Previous> previous;  // of by_frustum()
   bool or_march = false;  // of the frustum form: where it is refused, or leaves many pixels open, contraction goes on
   // Root finders of the frustum form take coefficients instead of a program.
   bool by_frustum() const { return finder.starts_with("frustum_"); }
-};
-
-// Memory that outlives the call inside NumPy arrays; aligned so that CPU drivers use it in place.
-class Memory {
- public:
-  explicit Memory(std::size_t bytes);
-  void* data() const { return data_.get(); }
-  std::size_t bytes() const { return bytes_; }
-  template <class T>
-  T* as() const {
-    return static_cast<T*>(data_.get());
-  }
-
- private:
-  std::shared_ptr<void> data_;
-  std::size_t bytes_;
 };
 
 // Per pixel or ray; `pitch` elements lie between rows. depth and uncertainty are double where `wide`.
@@ -111,7 +120,8 @@ struct Answer {
   std::size_t columns = 0, rows = 1, pitch = 0;
   bool wide = false;
   std::optional<Memory> depth, uncertainty, status, normal, rgba, pieces;  // normal: three planes of rows * pitch floats
-  std::size_t escalated = 0;
+  std::size_t escalated = 0;     // pixels that another pass decides, or the reference
+  std::size_t by_reference = 0;  // of these, those that the reference was asked about
   std::array<std::size_t, 4> counts{};  // by status
   std::size_t wide_hits = 0;            // HITs wider than eps
   bool marched = false;  // the frustum form was refused, and contraction ran (Options::or_march)

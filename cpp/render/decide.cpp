@@ -100,6 +100,7 @@ std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& 
   } catch (const LimitError&) {  // its derivative is too long: kernels need none
     return where;
   }
+  answer.by_reference += where.size();
   std::vector<std::size_t> open, decided;
   std::vector<numerics::Ray> along;
   std::vector<double> t, half;

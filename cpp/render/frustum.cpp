@@ -155,7 +155,7 @@ Forms forms_of(const numerics::Cells& cells, const kernel::Spec& spec) {
 }
 
 // B_i and its derivative at the centres of a tile's pixels.
-Reals basis_of(const Screen& screen, int degree, Precision precision) {
+Reals basis_of(const Screen& screen, int degree, const Options& options, Precision precision) {
   const std::size_t n = static_cast<std::size_t>(degree) + 1, tile = screen.tile;
   Reals basis(precision, kView + 2 * n * tile);
   const numerics::Frustum& f = screen.frustum;
@@ -168,6 +168,7 @@ Reals basis_of(const Screen& screen, int degree, Precision precision) {
   basis.set(10, static_cast<double>(f.down));
   basis.set(11, f.perspective ? 1 : 0);
   basis.set(12, f.distance);
+  if (options.previous) basis.set(13, options.previous->distance);
   std::vector<double> lower(n), upper(n);
   for (std::size_t pixel = 0; pixel < tile; ++pixel) {
     const double u = (static_cast<double>(pixel) + 0.5) / static_cast<double>(tile);
@@ -248,6 +249,7 @@ kernel::Spec cells_spec(const Options& options, const device::Device& device, Pr
                         kernel::Entry entry) {
   kernel::Spec spec = spec_of(options, device, precision, degree, tile);
   spec.entry = entry;
+  spec.previous = options.previous.has_value();
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   return spec;
@@ -263,7 +265,7 @@ Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, precision, options);
   const Forms forms = forms_of(cells, spec);
-  const Reals basis = basis_of(screen, cells.degree, precision);
+  const Reals basis = basis_of(screen, cells.degree, options, precision);
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
              tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
@@ -277,8 +279,13 @@ Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view
     inputs.emplace_back(pixels.get());
   }
   const numerics::Frustum& f = screen.frustum;
-  launch(kernel::assemble_frustum(spec), spec, std::move(inputs), settings,
-         {tiles.get(), slabs.get(), form.get(), values.get(), f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0}, options, device, answer);
+  std::vector<device::Arg> more{tiles.get(), slabs.get(), form.get(), values.get(), f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0};
+  std::unique_ptr<device::Buffer> before;
+  if (options.previous) {
+    before = device.buffer(options.previous->depth.data(), options.previous->depth.bytes(), device::Access::read);
+    more.insert(more.end(), {before.get(), static_cast<std::int32_t>(options.previous->pitch)});
+  }
+  launch(kernel::assemble_frustum(spec), spec, std::move(inputs), settings, std::move(more), options, device, answer);
   return answer;
 }
 

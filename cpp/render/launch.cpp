@@ -346,6 +346,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
     if (answer.rgba) answer.rgba->as<std::uint32_t>()[i] = part.rgba->as<std::uint32_t>()[k];
   }
   answer.escalated += where.size();
+  answer.by_reference += part.by_reference;
   answer.builds += part.builds;
   answer.build_seconds += part.build_seconds;
   answer.launch_seconds += part.launch_seconds;

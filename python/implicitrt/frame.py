@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from implicitrt.bounds import Bounds
     from implicitrt.camera import Camera
+    from implicitrt.expression import Expr
 
 __all__ = ["Frame", "Hits", "Stats", "Status"]
 
@@ -58,7 +59,8 @@ class Stats:
     seconds: Mapping[str, float]  # parse, build, launch, kernel, total; prepare (coefficients), driver (its first use)
     counts: Mapping[str, int] = field(default_factory=dict)  # by status
     wide: int = 0  # HITs whose bracket is wider than eps
-    escalated: int = 0  # pixels redone in double
+    escalated: int = 0  # pixels redone in double, by the reference, or both
+    by_reference: int = 0  # of these, those that the reference was asked about
 
 
 def _write_atomically(path: Path, data: bytes) -> None:
@@ -88,11 +90,11 @@ class Frame:
         normal: (H, W, 3) float32, unit, towards the viewer; nan where there is no hit or gradient.
         status: (H, W) uint8, see `Status`.   hit: (H, W) bool, HIT or TOUCH.
         points: (H, W, 3), nan where there is no hit.
-        camera, bounds, params: what was drawn.   stats: `Stats`.
+        formula, camera, bounds, params: what was drawn.   stats: `Stats`.
     """
 
     def __init__(
-        self, result: Mapping[str, Any], camera: Camera, bounds: Bounds, params: Mapping[str, float], stats: Stats
+        self, result: Mapping[str, Any], formula: Expr, camera: Camera, bounds: Bounds, params: Mapping[str, float], stats: Stats
     ) -> None:
         self.depth: npt.NDArray[Any] = result["depth"]
         self.uncertainty: npt.NDArray[Any] = result["uncertainty"]
@@ -100,6 +102,7 @@ class Frame:
         self._normal: npt.NDArray[np.float32] | None = result.get("normal")
         self._rgba: npt.NDArray[np.uint8] | None = result.get("rgba")
         self._pieces: npt.NDArray[np.uint32] | None = result.get("pieces")
+        self.formula = formula
         self.camera = camera
         self.bounds = bounds
         self.params = dict(params)

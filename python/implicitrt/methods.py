@@ -171,6 +171,7 @@ _FRUSTUM_FINDERS = {
 }
 
 _INCLUSION_OPTIONS = ("eps", "max_pieces")
+_FRUSTUM_OPTIONS = (*_INCLUSION_OPTIONS, "previous")
 _SAMPLED_OPTIONS = ("eps", "steps", "max_pieces")
 
 MAX_STEPS = 1 << 20  # a little less than positions on a ray that single precision tells apart
@@ -189,10 +190,10 @@ ENTRIES = MappingProxyType({
                      "S4 section 3.1.2: bisection by interval arithmetic with a stack, to compare"), "ia_stack", "ia", True),
         Entry(Method("contract", "every formula", "inclusion", _INCLUSION_OPTIONS,
                      "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"), "contract", "raa", True),
-        *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
+        *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _FRUSTUM_OPTIONS,
                        f"S2 section 4.2: {what}"), f"frustum_{name.replace('-', '_')}", "raa", True)
           for name, what in _FRUSTUM_FINDERS.items()),
-        Entry(Method("frustum-newton", "polynomials in x, y, z up to degree 32", "inclusion", _INCLUSION_OPTIONS,
+        Entry(Method("frustum-newton", "polynomials in x, y, z up to degree 32", "inclusion", _FRUSTUM_OPTIONS,
                      "ours, on the frustum form of S2 section 3: halving until a root stands alone, then evaluations only"),
               "frustum_newton", "raa", True),
         Entry(Method("analytic", "polynomials in x, y, z up to degree 4", "numerical", (),

@@ -107,4 +107,5 @@ def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, start
         width=result["width"], rounding=request["rounding"], builds=int(result["builds"]),
         seconds={"parse": parsed - started - sum(driver.values()), **driver, **result["seconds"], "total": time.perf_counter() - started},
         counts={s.name: n for s, n in zip(Status, result["counts"], strict=True)}, wide=int(result["wide"]), escalated=int(result["escalated"]),
+        by_reference=int(result["by_reference"]),
     )  # fmt: skip

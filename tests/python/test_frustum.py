@@ -157,3 +157,48 @@ def test_auto_marches_on_where_the_form_decides_little() -> None:
     marched = irt.render("(x^2 + y^2 + z^2 - 1)^2", bounds=1.2, size=(96, 96), method="contract")
     assert double.stats.counts["TOUCH"] > 1024
     assert (double.status == marched.status).mean() > 0.99
+
+
+@pytest.mark.parametrize("method", FINDERS)
+def test_a_previous_frame_changes_nothing_but_the_order_of_work(method: str) -> None:
+    """S2 section 4.2, frame coherence: a camera that moves a little and leaps, a parameter that moves, and a frame in which all is gone."""
+    f = "x^4 + y^4 + z^4 - 5*(x^2 + y^2 + z^2) + a"
+    previous = None
+    for a, origin in ((11, (5, 4, 6)), (11, (5.1, 4, 5.9)), (11, (-4, 5, -6)), (12.4, (-4, 5, -6)), (40, (-4, 5, -6)), (11, (-4, 5, -6))):
+        call = {"params": {"a": a}, "bounds": 2.5, "camera": irt.Camera(origin), "size": (61, 40), "method": method}
+        plain, seeded = irt.render(f, **call), irt.render(f, **call, previous=previous)
+        assert (plain.status == seeded.status).all()
+        both = plain.status == Status.HIT
+        assert (np.abs(plain.depth[both] - seeded.depth[both]) <= (plain.uncertainty + seeded.uncertainty)[both]).all()
+        truth = irt.reference(f, **call)
+        _judge(seeded, seeded.depth, truth)
+        previous = seeded
+
+
+def test_a_previous_frame_saves_cuts() -> None:
+    call = {"method": "frustum-midpoint", "size": (64, 64), "outputs": ("pieces",), "precision": "double"}
+    plain = irt.render(irt.surfaces["barth_decic"], **call)
+    assert irt.render(irt.surfaces["barth_decic"], **call, previous=plain).pieces.mean() < plain.pieces.mean()
+
+
+def test_previous_frames_that_do_not_fit() -> None:
+    f, call = irt.parse("x^2 + y^2 + a*z^2 - 1"), {"size": (24, 16), "params": {"a": 1}}
+    previous = irt.render(f, method="frustum-lr", **call)
+    assert previous.formula == f
+    # auto and isovalue, bounds and method may change.
+    assert irt.render(f, previous=previous, isovalue=0.5, bounds=1.5, **call).hit.any()
+    assert irt.render("sin(x) - y", size=(24, 16), previous=irt.render("sin(x) - y", size=(24, 16))).hit.any()
+    with pytest.raises(irt.MethodError, match="frustum-lr"):
+        irt.render(f, previous=previous, method="contract", **call)
+    with pytest.raises(irt.ArgumentError, match="another formula"):
+        irt.render("x^2 + y^2 + z^2 - 1", size=(24, 16), previous=previous)
+    with pytest.raises(irt.ArgumentError, match="24 x 16"):
+        irt.render(f, previous=previous, **call | {"size": (16, 24)})
+    with pytest.raises(irt.ArgumentError, match="must be a Frame"):
+        irt.render(f, previous=previous.depth, **call)  # type: ignore[arg-type]
+
+
+def test_pixels_that_the_reference_decided_are_told() -> None:
+    frame = irt.render(irt.surfaces["barth_decic"], size=(64, 64), method="frustum-mr")
+    assert 0 < frame.stats.by_reference < frame.stats.escalated
+    assert irt.render("x^2 + y^2 + z^2 - 1", size=(16, 16), method="frustum-mr").stats.by_reference == 0
