@@ -354,7 +354,8 @@ Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic 
   const double span = range.t1 - range.t0;
   std::vector<std::pair<Piece, Coefficients<T>>> stack;
   stack.emplace_back(Piece{0, 1}, std::move(s));
-  const Piece window{(clip.enter_lo - range.t0) / span - 1e-9, (clip.leave_hi - range.t0) / span + 1e-9};
+  // No wider than rounding makes it: where no sign is known, all of it outside the clip is cut into the smallest pieces.
+  const Piece window{down(down(clip.enter_lo - range.t0) / up(span)), up(up(clip.leave_hi - range.t0) / down(span))};
   for (;;) {
     Found<T> found = next_root(std::move(stack), window);
     if (found.what == Found<T>::none) return {Kind::miss, 0, 0, arithmetic};

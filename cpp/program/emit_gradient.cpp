@@ -23,9 +23,13 @@ Emitted emit_gradient(const Program& program, Precision precision) {
   }
   // The adjoint of v, d result / d v, as text; sums of one term need no variable of their own.
   std::vector<std::vector<std::string>> terms(program.code.size());
+  std::vector<char> chosen(program.code.size(), 0);  // stands below a choice
   std::string g[3] = {"(F)0", "(F)0", "(F)0"};
-  const auto add = [&](Value to, const std::string& term) {
-    if (varies[static_cast<std::size_t>(to)]) terms[static_cast<std::size_t>(to)].push_back(term);
+  const auto add = [&](Value to, const std::string& term, bool below) {
+    const auto i = static_cast<std::size_t>(to);
+    if (!varies[i]) return;
+    terms[i].push_back(term);
+    chosen[i] = chosen[i] || below;
   };
   terms[static_cast<std::size_t>(program.result)] = {"(F)1"};
   for (Value v = n; v-- > 0;) {
@@ -39,11 +43,15 @@ Emitted emit_gradient(const Program& program, Precision precision) {
     if (in.code == Code::Coordinate) {
       g[in.index] = d;
     } else if (in.code == Code::Select) {
-      add(in.b, fmt::format("SELECT({}, {}, (F)0)", name(in.a), d));
-      add(in.c, fmt::format("SELECT({}, (F)0, {})", name(in.a), d));
+      add(in.b, fmt::format("SELECT({}, {}, (F)0)", name(in.a), d), true);
+      add(in.c, fmt::format("SELECT({}, (F)0, {})", name(in.a), d), true);
     } else {
-      for (const auto& [operand, p] : partials_of(program, v, precision))
-        add(operand, p == "(F)1" ? d : p == "-(F)1" ? "-" + d : fmt::format("{} * ({})", d, p));
+      const bool below = chosen[i] || in.code == Code::Min || in.code == Code::Max;
+      for (const auto& [operand, p] : partials_of(program, v, precision)) {
+        // What was not chosen has the adjoint 0, and may have a pole here: 0 times its partial derivative would be nan.
+        const std::string product = fmt::format("{} * ({})", d, p);
+        add(operand, p == "(F)1" ? d : p == "-(F)1" ? "-" + d : chosen[i] ? fmt::format("SELECT(EQ({}, (F)0), (F)0, {})", d, product) : product, below);
+      }
     }
   }
   text += fmt::format("  *gx = {};\n  *gy = {};\n  *gz = {};\n  return {};\n}}\n", g[0], g[1], g[2], name(program.result));

@@ -33,10 +33,14 @@ std::string slope_of(const Program& program, Value v, Precision precision, const
   const Instruction& in = program[v];
   const auto moves = [&](Value w) { return w >= 0 && varies[static_cast<std::size_t>(w)]; };
   if (in.code == Code::Coordinate) return fmt::format("d{}", "xyz"[in.index]);
-  if (in.code == Code::Select) {
+  // Chosen, not multiplied by one and zero: what is not chosen may have a pole here.
+  const auto choice = [&](const std::string& which, Value p, Value q) {
     const auto part = [&](Value w) { return moves(w) ? name(w, 's') : std::string("(F)0"); };
-    return moves(in.b) || moves(in.c) ? fmt::format("SELECT({}, {}, {})", name(in.a), part(in.b), part(in.c)) : "";
-  }
+    return moves(p) || moves(q) ? fmt::format("SELECT({}, {}, {})", which, part(p), part(q)) : "";
+  };
+  if (in.code == Code::Select) return choice(name(in.a), in.b, in.c);
+  if (in.code == Code::Min) return choice(fmt::format("LE({}, {})", name(in.a), name(in.b)), in.a, in.b);
+  if (in.code == Code::Max) return choice(fmt::format("GE({}, {})", name(in.a), name(in.b)), in.a, in.b);
   std::string sum;
   for (const auto& [operand, factor] : partials_of(program, v, precision)) {
     if (!moves(operand)) continue;

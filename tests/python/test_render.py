@@ -257,3 +257,12 @@ def test_kernel_source_is_readable_and_minimal() -> None:
         "bounds of a" in source and "ra_mul" not in source and "irt_gradient(F" not in source and "encode" not in source
     )
     assert "native_" not in source
+
+
+@pytest.mark.parametrize("method", ["contract", "adaptive-sign", "sampled-newton"])
+@pytest.mark.parametrize("f", ["z - Piecewise((1/x, y > 5), (x/8 + y/4, True))", "Max(z - x/8 - y/4, sqrt(Abs(x)) - 9)"])
+def test_a_pole_of_what_is_not_chosen_spoils_no_normal(f: str, method: str) -> None:
+    """At x = 0 the derivative of the other branch is infinite, and its share of the gradient nothing."""
+    hits = irt.trace(f, (0, 0, 3), (0, 0, -1), bounds=2, method=method, eps=1e-4)
+    assert hits.status[0] == Status.HIT
+    assert hits.normal[0] == pytest.approx(np.array([-1, -2, 8]) / 69**0.5, abs=1e-6)

@@ -52,6 +52,13 @@ TEST(Reference, TellsRootsFromNearMisses) {
   EXPECT_EQ(along_z("z^2 + 1").kind, Kind::miss);
 }
 
+TEST(Reference, CutsNothingOutsideTheClipWhereNoSignIsKnown) {
+  // Coefficients leave doubles and fixed point; only exact numbers tell. It took 10^6 pieces of what lies before the clip, once.
+  const Root r = along_z("1e280*((z - 1)^2 + 1)^7 - 1", -3, 1000);
+  EXPECT_EQ(r.kind, Kind::miss);
+  EXPECT_EQ(r.arithmetic, Arithmetic::exact);
+}
+
 TEST(Reference, FindsRootsOfEverythingElse) {
   expect_root("sin(z) - 1/2", Kind::hit, 0.52359877559829887);
   expect_root("exp(z) - 2", Kind::hit, 0.69314718055994531);
