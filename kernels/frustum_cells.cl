@@ -6,16 +6,24 @@
 // tiles: where each tile's cells begin. slabs: for each cell s at its near end, its length, its error. form: [down][depth][across], and a
 // packet more behind the last. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
 #define PLANE ((N * N + W - 1) / W * W)
+#define SUMS 4  // at a time: one waits for each of its terms
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, and that of the frame before
 #define ACROSS(i) (basis + 16 + (i) * IRT_TILE)
 #define SLOPE(i) (basis + 16 + (N + (i)) * IRT_TILE)
 
 // A form contracted with a row, once for all lanes: [depth][across].
 static inline void contract_row(__global const real* form, int row, __global const real* down, real* plane) {
-  for (int b = 0; b < PLANE; b += W) {
-    F sum = (F)0;
-    for (int j = 0; j < N; ++j) sum = fma(LOAD(form + j * N * N + b), (F)down[j * IRT_TILE + row], sum);
-    STORE(sum, plane + b);
+  for (int first = 0; first < PLANE; first += SUMS * W) {
+    F sums[SUMS];
+    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = (F)0;
+    for (int j = 0; j < N; ++j) {
+      const F weight = (F)down[j * IRT_TILE + row];
+      UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) {
+        const int b = min(first + m * W, PLANE - W);
+        sums[m] = fma(LOAD(form + j * N * N + b), weight, sums[m]);
+      }
+    }
+    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) STORE(sums[m], plane + min(first + m * W, PLANE - W));
   }
 }
 
@@ -36,12 +44,14 @@ static inline bool row_free(const real* plane, real error) {
 
 // And with the columns: coefficients along the rays of a packet.
 static inline void contract_columns(const real* plane, int column, __global const real* across, F* c) {
-  F weights[N];
-  for (int i = 0; i < N; ++i) weights[i] = LOAD(across + i * IRT_TILE + column);
-  for (int k = 0; k < N; ++k) {
-    F sum = (F)0;
-    for (int i = 0; i < N; ++i) sum = fma((F)plane[k * N + i], weights[i], sum);
-    c[k] = sum;
+  for (int first = 0; first < N; first += SUMS) {
+    F sums[SUMS];
+    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = (F)0;
+    for (int i = 0; i < N; ++i) {
+      const F weight = LOAD(across + i * IRT_TILE + column);
+      UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = fma((F)plane[min(first + m, N - 1) * N + i], weight, sums[m]);
+    }
+    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) c[min(first + m, N - 1)] = sums[m];
   }
 }
 

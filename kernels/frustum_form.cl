@@ -1,6 +1,13 @@
 // What the root finders of S2 share: a polynomial along each ray of a packet, in Bernstein form over a part of the ray, with one bound of the
 // error of its coefficients. A sign counts only beyond it.
 #define N (IRT_DEGREE + 1)
+// Short loops without counters: their arrays stay in registers, and lanes of one round do not wait for those of the last.
+#define UNROLL(n) __attribute__((opencl_unroll_hint(n)))
+#if IRT_DEGREE <= 12
+#define EACH UNROLL(N)
+#else
+#define EACH
+#endif
 #define NEARBY R(0.0625)  // of a cell: how far roots are likely to move from frame to frame
 #define BINOMIAL(degree, i) ((degree) == IRT_DEGREE ? binomials[i] : binomials[i] * (real)((degree) + 1 - (i)) / (real)((degree) + 1))  // and one less
 
@@ -47,7 +54,7 @@ static inline F mixed(F a, F b, F share) { return fma(share, b - a, a); }
 static inline F value_at(const F* c, int degree, F u) {
   const F v = R(1.0) - u;
   F sum = c[0], power = (F)1;
-  for (int i = 1; i <= degree; ++i) {
+  EACH for (int i = 1; i <= degree; ++i) {
     power *= u;
     sum = fma(sum, v, BINOMIAL(degree, i) * power * c[i]);
   }
@@ -56,7 +63,7 @@ static inline F value_at(const F* c, int degree, F u) {
 
 static inline I one_sign(const F* c, F error) {
   F low = c[0], high = c[0];
-  for (int k = 1; k < N; ++k) {
+  EACH for (int k = 1; k < N; ++k) {
     low = min(low, c[k]);
     high = max(high, c[k]);
   }
@@ -65,16 +72,16 @@ static inline I one_sign(const F* c, F error) {
 
 // c over [lo, hi] of its range.
 static inline void restrict_to(F* c, F lo, F hi) {
-  for (int n = N - 1; n > 0; --n)
-    for (int i = 0; i < n; ++i) c[i] = mixed(c[i], c[i + 1], lo);
+  EACH for (int n = N - 1; n > 0; --n)
+    EACH for (int i = 0; i < n; ++i) c[i] = mixed(c[i], c[i + 1], lo);
   const F share = (hi - lo) / max(R(1.0) - lo, (F)TINY);
-  for (int n = 1; n < N; ++n)
-    for (int i = N - 1; i >= n; --i) c[i] = mixed(c[i - 1], c[i], share);
+  EACH for (int n = 1; n < N; ++n)
+    EACH for (int i = N - 1; i >= n; --i) c[i] = mixed(c[i - 1], c[i], share);
 }
 
 // The polynomial over the part of the cell that counts, into c; returns the error of its coefficients.
 static inline F begin_with(const CELL* cell, I lanes, F* c) {
-  for (int k = 0; k < N; ++k) c[k] = cell->c[k];
+  EACH for (int k = 0; k < N; ++k) c[k] = cell->c[k];
   if (!ANY(lanes & (GT(cell->lo, (F)0) | LT(cell->hi, (F)1)))) return cell->error;
   restrict_to(c, cell->lo, cell->hi);
   return fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error);
@@ -82,10 +89,10 @@ static inline F begin_with(const CELL* cell, I lanes, F* c) {
 
 // Cuts c: the part before the share into `front`, the part behind it into `rest`.
 static inline void cut_at(const F* c, F share, F* front, F* rest) {
-  for (int k = 0; k < N; ++k) rest[k] = c[k];
-  for (int k = 0; k < N; ++k) {
+  EACH for (int k = 0; k < N; ++k) rest[k] = c[k];
+  EACH for (int k = 0; k < N; ++k) {
     front[k] = rest[0];
-    for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
+    EACH for (int i = 0; i < N - 1 - k; ++i) rest[i] = mixed(rest[i], rest[i + 1], share);
   }
 }
 
@@ -105,15 +112,15 @@ static inline F cut_near(const CELL* cell, int cuts, F a, F b, F otherwise) {
 // taken anew from the cell's own coefficients: nothing is kept on a stack. Returns the lanes that have come to the end of the cell.
 static inline I go_on(const CELL* cell, F x, const F* front, F* rest, F next_error, I behind, I ahead, F* c, F* a, F* b, F* error) {
   const I whole = behind & one_sign(rest, next_error);
-  for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
+  EACH for (int k = 0; k < N; ++k) c[k] = SELECT(behind, rest[k], SELECT(ahead, front[k], c[k]));
   *a = SELECT(behind, x, *a);
   *b = SELECT(ahead, x, *b);
   *error = SELECT(behind | ahead, next_error, *error);
   const I done = whole & GE(*b, cell->hi), resumes = whole & ~done;
   if (ANY(resumes)) {
-    for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
+    EACH for (int k = 0; k < N; ++k) rest[k] = cell->c[k];
     restrict_to(rest, *b, cell->hi);
-    for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
+    EACH for (int k = 0; k < N; ++k) c[k] = SELECT(resumes, rest[k], c[k]);
     *a = SELECT(resumes, *b, *a);
     *b = SELECT(resumes, cell->hi, *b);
     *error = SELECT(resumes, fma((F)(R(2.0) * CUT_ERROR), cell->size, cell->error), *error);
@@ -124,7 +131,7 @@ static inline I go_on(const CELL* cell, F x, const F* front, F* rest, F next_err
 // Exactly one root and simple: signs change once, whatever the one coefficient is that may not be told from zero.
 static inline I one_root(const F* c, F error, F sign) {
   I other = NONE, doubtful = NONE, bad = LE(sign * c[0], error);
-  for (int k = 1; k < N; ++k) {
+  EACH for (int k = 1; k < N; ++k) {
     const F v = sign * c[k];
     const I is_other = LT(v, -error), is_same = GT(v, error);
     bad |= ~is_other & (other | doubtful);
@@ -136,7 +143,7 @@ static inline I one_root(const F* c, F error, F sign) {
 
 static inline F largest_of(const F* c) {
   F size = fabs(c[0]);
-  for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
+  EACH for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
   return size;
 }
 
@@ -144,7 +151,7 @@ static inline F largest_of(const F* c) {
 static inline F polygon_zero(const F* c, F sign) {
   F at = (F)IRT_DEGREE, before = (F)0, after = (F)1;
   I seen = NONE;
-  for (int k = 1; k < N; ++k) {
+  EACH for (int k = 1; k < N; ++k) {
     const I crosses = ~seen & LE(sign * c[k], (F)0);
     at = SELECT(crosses, (F)(k - 1), at);
     before = SELECT(crosses, fabs(c[k - 1]), before);
