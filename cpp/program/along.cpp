@@ -1,11 +1,8 @@
 // The derivative of a program's result along a ray, as a program: forward differentiation, written once for every algebra, because
 // what comes out is enclosed by the same emitters. S3 isolates roots by it; kernels/isolate.cl uses it.
 #include <cmath>
-#include <map>
-#include <tuple>
 
-#include "program/operators.h"
-#include "program/program.h"
+#include "program/numbering.h"
 
 namespace irt::program {
 namespace {
@@ -25,9 +22,7 @@ Bounds times(Bounds c, double n) {
 
 class Along {
  public:
-  explicit Along(const Program& program) : out_(program) {
-    for (std::size_t i = 0; i < out_.code.size(); ++i) known_[key(out_.code[i])] = static_cast<Value>(i);
-  }
+  explicit Along(const Program& program) : out_(program) {}
 
   std::optional<Program> run() {
     const auto n = static_cast<Value>(out_.code.size());
@@ -46,21 +41,10 @@ class Along {
  private:
   Program out_;
   std::vector<Value> slopes_;
-  std::map<std::tuple<Code, Value, Value, Value, double, double, std::int64_t>, Value> known_;
+  Numbering numbering_{out_};
   bool exists_ = true;
 
-  static std::tuple<Code, Value, Value, Value, double, double, std::int64_t> key(const Instruction& i) {
-    return {i.code, i.a, i.b, i.c, i.value.lo, i.value.hi, i.index};
-  }
-
-  Value emit(Instruction i) {
-    i.partial = describe(i.code).partial;
-    for (Value v : {i.a, i.b, i.c})
-      if (v >= 0) i.partial = i.partial || out_[v].partial;
-    const auto [it, fresh] = known_.emplace(key(i), static_cast<Value>(out_.code.size()));
-    if (fresh) out_.code.push_back(i);
-    return it->second;
-  }
+  Value emit(const Instruction& i) { return numbering_.emit(i); }
 
   Value constant(Bounds b) { return emit({.code = Code::Constant, .value = b, .nonnegative = b.lo >= 0}); }
   Value constant(double v) { return constant({v, v}); }

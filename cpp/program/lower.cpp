@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -14,8 +13,7 @@
 #include "expr/build.h"
 #include "expr/fraction.h"
 #include "caps.h"
-#include "program/operators.h"
-#include "program/program.h"
+#include "program/numbering.h"
 
 namespace irt::program {
 namespace {
@@ -69,7 +67,7 @@ class Lowering {
   Program program_;
   std::unordered_map<const Node*, bool> constant_;  // trees without symbols
   std::unordered_map<const Node*, Value> done_;
-  std::map<std::tuple<Code, Value, Value, Value, double, double, std::int64_t>, Value> known_;
+  Numbering numbering_{program_};
 
   void collect_parameters(const Expr& f, const Expr* g, const std::optional<Fraction>& whole) {
     std::set<std::string> names;
@@ -117,19 +115,11 @@ class Lowering {
 
   Value of(const Expr& e) const { return done_.at(e.key()); }
 
-  Value emit(Instruction i) {
-    const Operator& op = describe(i.code);
-    i.partial = op.partial;
-    for (Value v : {i.a, i.b, i.c})
-      if (v >= 0) i.partial = i.partial || program_[v].partial;
-    const auto key = std::tuple(i.code, i.a, i.b, i.c, i.value.lo, i.value.hi, i.index);
-    if (const auto it = known_.find(key); it != known_.end()) return it->second;
-    if (program_.code.size() >= limits::kOperations)
+  Value emit(const Instruction& i) {
+    const Value v = numbering_.emit(i);
+    if (program_.code.size() > limits::kOperations)
       throw LimitError(fmt::format("the formula needs more than {} operations, the limit of one kernel; "
                                    "shorten it or split it", limits::kOperations));
-    program_.code.push_back(i);
-    const Value v = static_cast<Value>(program_.code.size() - 1);
-    known_[key] = v;
     return v;
   }
 

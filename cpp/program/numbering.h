@@ -1,0 +1,36 @@
+// Value numbering: a program grows by instructions that it does not have yet.
+#pragma once
+
+#include <map>
+#include <tuple>
+
+#include "program/operators.h"
+#include "program/program.h"
+
+namespace irt::program {
+
+class Numbering {
+ public:
+  explicit Numbering(Program& program) : program_(program) {
+    for (std::size_t i = 0; i < program.code.size(); ++i) known_[key(program.code[i])] = static_cast<Value>(i);
+  }
+
+  // The value of an instruction, which is partial where an operand is.
+  Value emit(Instruction i) {
+    i.partial = describe(i.code).partial;
+    for (const Value v : {i.a, i.b, i.c})
+      if (v >= 0) i.partial = i.partial || program_[v].partial;
+    const auto [it, fresh] = known_.emplace(key(i), static_cast<Value>(program_.code.size()));
+    if (fresh) program_.code.push_back(i);
+    return it->second;
+  }
+
+ private:
+  using Key = std::tuple<Code, Value, Value, Value, double, double, std::int64_t>;
+  static Key key(const Instruction& i) { return {i.code, i.a, i.b, i.c, i.value.lo, i.value.hi, i.index}; }
+
+  Program& program_;
+  std::map<Key, Value> known_;
+};
+
+}  // namespace irt::program
