@@ -10,12 +10,12 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
+from implicitrt import _core
 from implicitrt.errors import MethodError
 from implicitrt.expression import Expr, ExprLike, Max, Min, Rational, sqrt, sympify
 
 __all__ = ["r_intersection", "r_subtraction", "r_union"]
 
-CLOSED_DEGREE = 4  # of polynomials whose roots have closed forms
 _DEPTH = 100  # of set operations inside one another; the limit of leaves is below it
 _OTHERS = '"contract", "raa" and "ia" draw every formula'
 
@@ -45,15 +45,15 @@ def closed_polynomial(f: Expr, isovalue: float | None) -> Expr:
         MethodError: it is none, or of a higher degree.
     """
     degree = f.degree()
-    if degree is not None and degree <= CLOSED_DEGREE:
+    if degree is not None and degree <= _core.CLOSED_DEGREE:
         return f
     if degree is None:
         raise MethodError(
-            f'analytic knows polynomials in x, y, z up to degree {CLOSED_DEGREE}; this is none; "csg-analytic" knows Min, Max '
+            f'analytic knows polynomials in x, y, z up to degree {_core.CLOSED_DEGREE}; this is none; "csg-analytic" knows Min, Max '
             f"and R-functions of such, {_OTHERS}"
         )
     raise MethodError(
-        f"analytic knows polynomials in x, y, z up to degree {CLOSED_DEGREE}; this one's degree is {degree}; "
+        f"analytic knows polynomials in x, y, z up to degree {_core.CLOSED_DEGREE}; this one's degree is {degree}; "
         f'"frustum-lr" draws polynomials up to degree 32, {_OTHERS}'
     )
 
@@ -83,10 +83,10 @@ def _set_form(f: Expr, known: dict[Expr, Expr], depth: int) -> Expr:
 def _resolved(f: Expr, known: dict[Expr, Expr], depth: int) -> Expr:
     degree, op = f.degree(), f._node.op
     if degree is not None:
-        if degree <= CLOSED_DEGREE:
+        if degree <= _core.CLOSED_DEGREE:
             return f
         raise MethodError(
-            f"csg-analytic knows polynomials up to degree {CLOSED_DEGREE} under set operations; one here has degree {degree}; {_OTHERS}"
+            f"csg-analytic knows polynomials up to degree {_core.CLOSED_DEGREE} under set operations; one here has degree {degree}; {_OTHERS}"
         )
     if depth == _DEPTH:
         raise MethodError(f"csg-analytic knows {_DEPTH} set operations inside one another, not more; {_OTHERS}")
@@ -114,7 +114,7 @@ def _resolved(f: Expr, known: dict[Expr, Expr], depth: int) -> Expr:
                 choice = Max if (rest._node.op == "Max") == (k > 0) else Min
                 return choice(*(inner(k * a + others) for a in rest.args))
     raise MethodError(
-        f"csg-analytic knows Min, Max and R-functions (irt.r_union, ...) of polynomials up to degree {CLOSED_DEGREE}, not {op}; {_OTHERS}"
+        f"csg-analytic knows Min, Max and R-functions (irt.r_union, ...) of polynomials up to degree {_core.CLOSED_DEGREE}, not {op}; {_OTHERS}"
     )
 
 
