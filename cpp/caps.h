@@ -20,7 +20,7 @@ inline constexpr std::size_t kIdentifierLength = 64;
 inline constexpr std::size_t kNumberBits = 1 << 16;
 // Terms that `expand` may produce.
 inline constexpr std::size_t kExpandTerms = 200'000;
-// Pairs of terms that `expand` may multiply on the way: some seconds' work.
+// Pairs of terms that `expand` may multiply on the way: a quarter of a second's work.
 inline constexpr std::size_t kExpandProducts = 1'000'000;
 // Largest degree of a polynomial.
 inline constexpr long kDegree = 1'000'000'000;

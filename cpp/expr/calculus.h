@@ -30,15 +30,6 @@ Expr nested(const Expr& e);
 // Smaller where that is sound: never changes the function or where it is defined, keeps factored form and even powers.
 Expr simplify(const Expr& e);
 
-// A polynomial in x, y, z: coefficients, free of x, y, z, by exponents.
-struct Polynomial {
-  std::map<std::array<int, 3>, Expr> terms;
-  int degree() const;
-};
-
-// e as a polynomial in x, y, z, or nothing where it is none (or has more terms than limits::kExpandTerms).
-std::optional<Polynomial> polynomial(const Expr& e);
-
 // Total degree in x, y, z, found without expanding (cancellation aside, for which factors are expanded where they are
 // small enough); nothing where e is no polynomial.
 std::optional<long> degree(const Expr& e);

@@ -1,4 +1,4 @@
-// Expansion and recognition of polynomials.
+// Recognition of polynomials: nested sums of monomials, and degrees.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,27 +13,6 @@
 namespace irt {
 namespace {
 
-using Terms = std::vector<Expr>;
-
-Terms terms_of(const Expr& e) {
-  if (e.op() == Op::Add) return {e.args().begin(), e.args().end()};
-  return {e};
-}
-
-// `made` counts the products of one expand.
-Expr product_of_sums(const Expr& a, const Expr& b, std::size_t& made) {
-  const Terms s = terms_of(a), t = terms_of(b);
-  if (s.size() * t.size() > limits::kExpandTerms)
-    throw LimitError(fmt::format("expand would make {} terms; the limit is {}", s.size() * t.size(), limits::kExpandTerms));
-  if ((made += s.size() * t.size()) > limits::kExpandProducts)
-    throw LimitError(fmt::format("expand would multiply more than {} pairs of terms, the limit", limits::kExpandProducts));
-  Terms out;
-  out.reserve(s.size() * t.size());
-  for (const Expr& p : s)
-    for (const Expr& q : t) out.push_back(mul(p, q));
-  return add(out);
-}
-
 std::optional<long> natural(const Expr& e) {
   if (e.op() != Op::Number || e.number().get_den() != 1 || sgn(e.number()) < 0 || !e.number().get_num().fits_slong_p()) return std::nullopt;
   return e.number().get_num().get_si();
@@ -42,25 +21,6 @@ std::optional<long> natural(const Expr& e) {
 int axis_of(const Expr& e) {
   if (e.op() != Op::Symbol || e.name().size() != 1) return -1;
   return e.name() == "x" ? 0 : e.name() == "y" ? 1 : e.name() == "z" ? 2 : -1;
-}
-
-using Map = std::map<std::array<int, 3>, Expr>;
-
-void accumulate(Map& into, const std::array<int, 3>& exponents, const Expr& c) {
-  const auto [it, fresh] = into.try_emplace(exponents, c);
-  if (!fresh) it->second = add(it->second, c);
-}
-
-std::optional<Map> multiply(const Map& a, const Map& b) {
-  if (a.size() * b.size() > limits::kExpandProducts) return std::nullopt;
-  std::map<std::array<int, 3>, std::vector<Expr>> sums;
-  for (const auto& [p, c] : a)
-    for (const auto& [q, d] : b) sums[{p[0] + q[0], p[1] + q[1], p[2] + q[2]}].push_back(mul(c, d));
-  if (sums.size() > limits::kExpandTerms) return std::nullopt;
-  Map out;
-  for (const auto& [p, terms] : sums)
-    if (Expr c = add(terms); !(c == Expr(0L))) out.emplace(p, expand(c));
-  return out;
 }
 
 // Which parts are free of x, y, z; asked in postorder.
@@ -75,37 +35,6 @@ class Freedom {
  private:
   std::unordered_map<const Node*, bool> free_;
 };
-
-}  // namespace
-
-Expr expand(const Expr& e) {
-  count_nodes(e);
-  std::unordered_map<const Node*, Expr> memo;
-  std::size_t made = 0;
-  for (const Expr& p : postorder(e)) {
-    std::vector<Expr> args;
-    for (const Expr& a : p.args()) args.push_back(memo.at(a.key()));
-    Expr r = p;
-    if (p.op() == Op::Mul) {
-      r = Expr(1L);
-      for (const Expr& a : args) r = product_of_sums(r, a, made);
-    } else if (const auto n = p.op() == Op::Pow ? natural(args[1]) : std::nullopt; n && args[0].op() == Op::Add && *n <= 1000) {
-      // Repeated squaring would make the intermediate sums no smaller.
-      r = args[0];
-      for (long k = 1; k < *n; ++k) r = product_of_sums(r, args[0], made);
-    } else if (n && args[0].op() == Op::Mul) {
-      std::vector<Expr> factors;
-      for (const Expr& f : args[0].args()) factors.push_back(pow(f, p.arg(1)));
-      r = mul(factors);
-    } else if (p.arity()) {
-      r = call(p.op(), args);
-    }
-    memo.emplace(p.key(), r);
-  }
-  return memo.at(e.key());
-}
-
-namespace {
 
 // Exponents of x, y, z in a product that has nothing else but factors free of them, and those factors.
 std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const std::unordered_map<const Node*, bool>& free) {
@@ -177,50 +106,6 @@ Expr nested(const Expr& e) {
   return memo.at(e.key());
 }
 
-int Polynomial::degree() const {
-  int d = 0;
-  for (const auto& [p, c] : terms) d = std::max(d, p[0] + p[1] + p[2]);
-  return d;
-}
-
-std::optional<Polynomial> polynomial(const Expr& e) {
-  std::unordered_map<const Node*, std::optional<Map>> memo;
-  Freedom freedom;
-  for (const Expr& p : postorder(e)) {
-    std::optional<Map> r;
-    const auto of = [&](std::size_t i) -> const std::optional<Map>& { return memo.at(p.arg(i).key()); };
-    const bool free = freedom.visit(p);
-    if (p.is_condition()) {
-      // no polynomial
-    } else if (free) {
-      r = p == Expr(0L) ? Map{} : Map{{{0, 0, 0}, p}};
-    } else if (const int axis = axis_of(p); axis >= 0) {
-      std::array<int, 3> exponents{};
-      exponents[axis] = 1;
-      r = Map{{exponents, Expr(1L)}};
-    } else if (p.op() == Op::Add || p.op() == Op::Mul) {
-      r = of(0);
-      for (std::size_t i = 1; r && i < p.arity(); ++i) {
-        if (!of(i)) {
-          r.reset();
-        } else if (p.op() == Op::Mul) {
-          r = multiply(*r, *of(i));
-        } else {
-          for (const auto& [q, c] : *of(i)) accumulate(*r, q, c);
-        }
-      }
-      if (r) std::erase_if(*r, [](const auto& term) { return term.second == Expr(0L); });
-    } else if (const auto n = p.op() == Op::Pow ? natural(p.arg(1)) : std::nullopt; n && *n <= 1000 && of(0)) {
-      r = Map{{{0, 0, 0}, Expr(1L)}};
-      for (long k = 0; r && k < *n; ++k) r = multiply(*r, *of(0));
-    }
-    memo.emplace(p.key(), std::move(r));
-  }
-  auto& result = memo.at(e.key());
-  if (!result) return std::nullopt;
-  return Polynomial{std::move(*result)};
-}
-
 std::optional<long> degree(const Expr& e) {
   // An upper bound first, without expanding; it is exact unless leading terms cancel in a sum.
   std::unordered_map<const Node*, std::optional<long>> memo;
@@ -261,8 +146,11 @@ std::optional<long> degree(const Expr& e) {
   const auto bound = memo.at(e.key());
   if (!bound || !sums_of_equals || *bound > 60) return bound;
   try {
-    const auto exact = polynomial(e);
-    return exact ? std::optional<long>(exact->degree()) : bound;
+    // Of monomials, a node's weight is its degree.
+    const Expr sum = expand(e);
+    std::int64_t most = 0;
+    for (const Expr& t : sum.op() == Op::Add ? sum.args() : std::span(&sum, 1)) most = std::max(most, t.key()->weight);
+    return most;
   } catch (const LimitError&) {
     return bound;
   }
