@@ -1,4 +1,4 @@
-"""What statuses are worth: every named surface and 200 seeded formulas, ia and raa, eps 1e-2 to 1e-6, against irt.reference.
+"""What statuses are worth: every named surface and 200 seeded formulas, each way, eps 1e-2 to 1e-6, against irt.reference.
 
     python benchmarks/statuses.py [--formulas 200] [--size 48] [--first 0]
 
@@ -11,6 +11,7 @@ import argparse
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from common import table
@@ -22,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "pytho
 from formulas import check, formula
 
 WIDTHS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-METHODS = ("ia", "raa", "contract")
+METHODS = ("ia", "raa", "contract", irt.Mitchell("ia"), irt.Mitchell("raa"))
 
 
 def surface(name: str, size: int) -> list[object]:
@@ -67,19 +68,14 @@ def main() -> None:
                 "surface",
                 "simple roots",
                 "undecided",
-                "ia: HIT at 1e-4",
-                "UNRESOLVED",
-                "raa: HIT at 1e-4",
-                "UNRESOLVED",
-                "contract: HIT at 1e-4",
-                "UNRESOLVED",
+                *(text for m in METHODS for text in (f"{m}: HIT at 1e-4", "UNRESOLVED")),
             ],
             rows,
         ),
         flush=True,
     )
 
-    sums: dict[tuple[str, float], dict[str, int]] = {(m, e): {} for m in METHODS for e in WIDTHS}
+    sums: dict[tuple[Any, float], dict[str, int]] = {(m, e): {} for m in METHODS for e in WIDTHS}
     with_hits = 0
     for seed in range(options.first, options.first + options.formulas):
         counts = check(formula(seed), 400, seed, METHODS, WIDTHS)

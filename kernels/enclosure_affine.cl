@@ -17,3 +17,25 @@ static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefin
                     coordinate(ALONG(path, z, middle), span * path->uz, ERROR_UNTIL(path, z, to))
                     PARAMETERS_PASS, undefined, rough REGION_PASS);
 }
+
+#if IRT_ALONG
+// How a coordinate changes along the whole path. The path of a coordinate errs by e at either end, so its slope by twice that.
+static inline RA direction(F u, F e) {
+  const F d = u * TO_F(PATH_END);
+#if IRT_OUTWARD
+  return ra(d, (F)0, fma((F)(R(2.0) * ULP), fabs(d), R(2.5) * e));
+#else
+  return ra(d, (F)0, (F)0);
+#endif
+}
+
+// The derivative of f over the piece, in units of the whole path.
+static inline IA slope(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough) {
+  const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
+  return irt_along(coordinate(ALONG(path, x, middle), span * path->ux, ERROR_UNTIL(path, x, to)),
+                   coordinate(ALONG(path, y, middle), span * path->uy, ERROR_UNTIL(path, y, to)),
+                   coordinate(ALONG(path, z, middle), span * path->uz, ERROR_UNTIL(path, z, to)),
+                   direction(path->ux, path->ex), direction(path->uy, path->ey), direction(path->uz, path->ez)
+                   PARAMETERS_PASS, undefined, rough);
+}
+#endif

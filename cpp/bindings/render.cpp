@@ -246,13 +246,17 @@ py::array_t<double> enclose_pieces(const Expr& f, const py::dict& request) {
   const program::Program program = program::lower(f);
   const render::Options options = options_of(request, program);
   const auto pieces = get<DoubleArray>(request, "pieces");  // (n, 9)
+  const auto directions = request.contains("directions") ? get<DoubleArray>(request, "directions") : DoubleArray(0);  // the same, or none
   const auto n = static_cast<std::size_t>(pieces.shape(0));
-  const std::span<const std::array<double, 9>> span(reinterpret_cast<const std::array<double, 9>*>(pieces.data()), n);
+  const auto rows = [](const DoubleArray& a) {
+    return std::span<const std::array<double, 9>>(reinterpret_cast<const std::array<double, 9>*>(a.data()), static_cast<std::size_t>(a.shape(0)));
+  };
+  if (directions.shape(0) != 0 && directions.shape(0) != pieces.shape(0)) throw ArgumentError("pieces and directions must be as many");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   std::vector<std::array<double, 2>> result;
   {
     const py::gil_scoped_release release;
-    result = render::enclose_pieces(program, span, options, *device);
+    result = render::enclose_pieces(program, rows(pieces), rows(directions), options, *device);
   }
   py::array_t<double> out({static_cast<py::ssize_t>(n), static_cast<py::ssize_t>(2)});
   for (std::size_t i = 0; i < n; ++i)

@@ -34,6 +34,7 @@ std::string prelude(const Spec& spec) {
   define("IRT_DOUBLE", wide);
   define("IRT_OUTWARD", spec.outward);
   define("IRT_INFINITE", spec.infinite);
+  define("IRT_ALONG", spec.along);
   if (spec.entry != Entry::Enclose) {
     define("IRT_LIST", spec.entry == Entry::PixelList);
     define("IRT_SPHERES", spec.spheres);
@@ -41,7 +42,6 @@ std::string prelude(const Spec& spec) {
     define("IRT_NORMAL", spec.normal);
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
-    define("IRT_ALONG", spec.along);
     define("IRT_SPLIT", spec.split);
     define("IRT_BEAMS", spec.beams);
     if (spec.beams) {

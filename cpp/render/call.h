@@ -108,7 +108,7 @@ struct Options {
   device::Control control;
 
   // Whether few open rays go to the reference: where statuses are proven, and no budget of pieces was set.
-  bool refers() const { return outward && max_pieces == 0 && (finder == "bisection" || finder == "contract"); }
+  bool refers() const { return outward && max_pieces == 0 && (finder == "bisection" || finder == "contract" || finder == "mitchell"); }
   std::optional<Previous> previous;  // of by_frustum()
   bool or_march = false;  // of the frustum form: where it is refused, or leaves many pixels open, contraction goes on
   // Root finders of the frustum form take coefficients instead of a program.
@@ -149,9 +149,11 @@ Answer trace_rays(const program::Program& program, const Formulas& formulas, con
                   device::Device& device);
 
 // Coordinates of pieces, rounded outward by the caller: 9 doubles each, three an axis (lo, hi, 0 or x, y, z). The
-// result has lower, upper for each. `magnitudes` bounds |x|, |y|, |z| over all of them.
+// result has lower, upper for each. With `directions`, the coordinates' changes in the same form, it is bounds of the derivative
+// along them, nan where f may jump; throws MethodError where no rule gives that.
 std::vector<std::array<double, 2>> enclose_pieces(const program::Program& program, std::span<const std::array<double, 9>> pieces,
-                                                  const Options& options, device::Device& device);
+                                                  std::span<const std::array<double, 9>> directions, const Options& options,
+                                                  device::Device& device);
 
 // The source of the kernel that the call would run.
 std::string frame_source(const program::Program& program, const Bounds& bounds, const Options& options,

@@ -53,7 +53,7 @@ void apply_clip(Answer& answer, const program::Program& program, const Formulas&
   for (const std::string& name : region.parameters) by_range.parameters.push_back(formulas.parameters.at(name));
   // Where g may be undefined its range alone says nothing.
   const bool partial = region[region.result].partial;
-  const auto ranges = enclose_pieces(region, boxes, by_range, device);
+  const auto ranges = enclose_pieces(region, boxes, {}, by_range, device);
   for (std::size_t k = 0; k < hits.size(); ++k)
     if (partial || !(ranges[k][1] <= 0)) again.push_back(hits[k]);
   if (again.empty()) return;

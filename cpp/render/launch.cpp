@@ -132,6 +132,12 @@ void set_enclosures(kernel::Spec& spec, const program::Program& program, const B
   // Brackets may reach a little out of the bounds.
   const glm::dvec3 coordinates = 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
   spec.infinite = needs_infinities(program, coordinates, options, spec.precision);
+  if (options.finder == "mitchell") {
+    const auto derivative = program::along(program);
+    spec.along = derivative.has_value();
+    spec.infinite = spec.infinite || (derivative && needs_infinities(*derivative, coordinates, options, spec.precision));
+    return;
+  }
   // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
   // where a clip formula is to be proven along with each bracket.
   if (options.affine || !options.outward || options.finder != "bisection" || program.has_region()) return;

@@ -67,6 +67,7 @@ from implicitrt.methods import (
     CsgAnalytic,
     Marching,
     Method,
+    Mitchell,
     SampledNewton,
     explain,
     methods,
@@ -84,7 +85,7 @@ _core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels
 
 __all__ = [
     "Abs", "Analytic", "And", "ArgumentError", "Bisection", "BuildError", "Camera", "Clip", "Comparison", "Condition", "Contraction", "CsgAnalytic", "Device", "DeviceError", "E", "Eq",
-    "Error", "Expr", "ExpressionError", "Frame", "HalfSpace", "Hits", "LimitError", "Marching", "Max", "Method", "MethodError", "Min", "Mod",
+    "Error", "Expr", "ExpressionError", "Frame", "HalfSpace", "Hits", "LimitError", "Marching", "Max", "Method", "MethodError", "Min", "Mitchell", "Mod",
     "NamedSurface", "Ne", "Not", "Or", "Piecewise", "Rational", "Reference", "SampledNewton", "Sphere", "Stats", "Status", "acos", "asin", "atan",
     "atan2", "cbrt", "ceiling", "compare", "cos", "cosh", "devices", "enclose", "enclose_rays", "exp", "explain", "floor",
     "kernel_source", "log", "methods", "parse", "pi", "r_intersection", "r_subtraction", "r_union", "reference", "render", "sign", "sin", "sinh", "sqrt", "surfaces", "symbols",

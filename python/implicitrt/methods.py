@@ -15,7 +15,7 @@ from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, ExprLike, sympify
 from implicitrt.set_operations import closed_polynomial, set_form
 
-__all__ = ["Analytic", "Bisection", "Contraction", "CsgAnalytic", "Marching", "Method", "SampledNewton", "explain", "methods"]
+__all__ = ["Analytic", "Bisection", "Contraction", "CsgAnalytic", "Marching", "Method", "Mitchell", "SampledNewton", "explain", "methods"]
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,23 @@ class Contraction:
     def name(self) -> str:
         """The method's name in `methods()`."""
         return "contract"
+
+
+@dataclass(frozen=True)
+class Mitchell:
+    """Mitchell's method: roots isolated by enclosures of f and of its derivative along the ray, by the algebra "ia" or "raa", then Newton
+    steps; "mitchell" is its shorthand."""
+
+    algebra: str = "raa"
+
+    def __post_init__(self) -> None:
+        if self.algebra not in ("ia", "raa"):
+            raise ArgumentError(f'algebra must be "ia" or "raa", not {self.algebra!r}')
+
+    @property
+    def name(self) -> str:
+        """The method's name in `methods()`."""
+        return "mitchell"
 
 
 @dataclass(frozen=True)
@@ -190,6 +207,8 @@ ENTRIES = MappingProxyType({
                      "S4 section 3.1.2: bisection by interval arithmetic with a stack, to compare"), "ia_stack", "ia", True),
         Entry(Method("contract", "every formula", "inclusion", _INCLUSION_OPTIONS,
                      "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"), "contract", "raa", True),
+        Entry(Method("mitchell", "every formula", "inclusion", (*_INCLUSION_OPTIONS, "algebra"),
+                     "S3: roots isolated by enclosures of f and of its derivative along the ray, then Newton steps"), "mitchell", "raa", True),
         *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _FRUSTUM_OPTIONS,
                        f"S2 section 4.2: {what}"), f"frustum_{name.replace('-', '_')}", "raa", True)
           for name, what in _FRUSTUM_FINDERS.items()),

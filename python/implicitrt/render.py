@@ -61,7 +61,8 @@ def render(
             intersection. Clipped surfaces are open, not capped. Default: the named surface's, else 2.
         camera: `Camera`; default: the named surface's, else one with the bounds in view.
         size: (width, height) in pixels.
-        method: a name of `methods()`, or an object with its options: `Bisection`, `Contraction`, `Marching`, `SampledNewton`.
+        method: a name of `methods()`, or an object with its options: `Bisection`, `Contraction`, `Mitchell`, `Marching`,
+            `SampledNewton`.
         eps: the width that a hit's bracket is to reach, in units of distance. Default: a thousandth
             of half the largest side of the bounds.
         params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing.

@@ -56,7 +56,7 @@ def finder_request(
         "reads": entry.reads,
         "defines": list(entry.defines),
         "steps": steps,
-        "algebra": entry.algebra,
+        "algebra": getattr(method, "algebra", entry.algebra),
         "beams": getattr(method, "beams", None),
         "precision": precision,
         # What samples proves nothing, however it rounds.

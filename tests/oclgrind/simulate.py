@@ -67,7 +67,7 @@ def _calls() -> Iterator[tuple[str, Callable[[], Any]]]:
     # With parameters and precision "auto" the kernel in double is built by a thread behind the frame, in which Oclgrind 21 crashes.
     with_parameters = small | {"precision": "single"}
     for name, f in FORMULAS.items():
-        for method in ("ia", "raa", "contract"):
+        for method in ("ia", "raa", "contract", "mitchell"):
             for precision in ("single", "double"):
                 yield f"{name}, {method}, {precision}", lambda f=f, m=method, p=precision: irt.render(f, method=m, precision=p, max_pieces=300, **small)
     for method in irt.methods():

@@ -44,8 +44,8 @@ def formula(seed: int) -> str:
 
 
 def check(
-    f: str, size: int, seed: int, methods: tuple[str, ...], widths: tuple[float, ...], bounds: Any = 1.5
-) -> dict[tuple[str, float], dict[str, int]]:
+    f: str, size: int, seed: int, methods: tuple[Any, ...], widths: tuple[float, ...], bounds: Any = 1.5
+) -> dict[tuple[Any, float], dict[str, int]]:
     """Statuses of `size` rays through f, against the reference; asserts that none lies.
 
     Returns counts for each method and eps: of rays, simple (the reference's HITs), hits (HIT among them), unresolved, undecided

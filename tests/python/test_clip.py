@@ -17,7 +17,7 @@ from implicitrt.bounds import Bounds
 from implicitrt.cli import main
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
-METHODS = ["ia", "raa", "contract"]
+METHODS = ["ia", "raa", "contract", "mitchell"]
 CAMERA = irt.Camera((1.9, 1.4, 3.2))
 
 # Formula, bounds, parameters.

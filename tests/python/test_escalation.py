@@ -25,7 +25,7 @@ def _pair(name: str, **arguments: object) -> tuple[irt.Frame, irt.Frame]:
     return tuple(irt.render(FEW[name], bounds=bounds, size=SIZE, precision=p, **arguments) for p in ("auto", "single"))  # type: ignore[arg-type,return-value]
 
 
-@pytest.mark.parametrize("method", ["contract", "raa", "ia"])
+@pytest.mark.parametrize("method", ["contract", "raa", "ia", "mitchell"])
 @pytest.mark.parametrize("name", FEW)
 def test_few_open_pixels_need_no_second_kernel(name: str, method: str) -> None:
     auto, single = _pair(name, method=method, eps=EPS[name])

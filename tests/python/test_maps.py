@@ -29,7 +29,7 @@ def _silhouette(misses: np.ndarray) -> np.ndarray:
     return near.any(0) & ~near.all(0)
 
 
-@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract", "mitchell"])
 @pytest.mark.parametrize("name", [n for n in irt.surfaces if n != "double_plane"])
 def test_depth_map(name: str, method: str, data: Path) -> None:
     reference = np.load(data / "reference_depth_32.npz")[name]
@@ -57,7 +57,7 @@ def test_depth_map(name: str, method: str, data: Path) -> None:
         assert agreement < 0.999 or decided < 0.95, "good enough now: remove it from map_exceptions.json"
 
 
-@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract", "mitchell"])
 @pytest.mark.parametrize("name", sorted(DOUBLE))
 def test_formulas_that_cancel_are_decided(name: str, method: str, data: Path) -> None:
     # Around each root rounding drowns f, even in double, over a good part of eps: brackets have to widen past it.

@@ -23,7 +23,7 @@ def _sphere_depth(camera: irt.Camera, size: tuple[int, int]) -> np.ndarray:
     return np.where(root >= 0, -b - np.sqrt(np.maximum(root, 0)), np.inf)
 
 
-@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract", "mitchell"])
 @pytest.mark.parametrize("rounding", ["outward", "fast"])
 def test_sphere(device: str, method: str, rounding: str) -> None:
     camera = irt.Camera((2, 1.5, 3))
@@ -95,7 +95,7 @@ def test_bounds_clip() -> None:
     assert both.hit.sum() < ball.hit.sum()
 
 
-@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract", "mitchell"])
 @pytest.mark.parametrize("precision", ["single", "double"])
 def test_roots_at_the_bounds(method: str, precision: str) -> None:
     """A root just outside the bounds is no hit, and one just inside no miss, however rounding falls."""
@@ -135,7 +135,7 @@ def test_outputs_and_transparency() -> None:
     assert set(np.unique(clear.rgba[..., 3])) <= {0, 255} and clear.rgba[0, 0, 3] == 0
 
 
-@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract", "mitchell"])
 @pytest.mark.parametrize("formula", ["1/x + y", "y - tan(3x)/2", "z + x/(y^2 - 1/4)", "1/(x - y) - 2/(z + x)"])
 def test_poles_of_quotients_are_seen_through(formula: str, method: str) -> None:
     frame = irt.render(formula, bounds=1.5, size=(40, 40), method=method, outputs=())
@@ -146,7 +146,7 @@ def test_poles_of_quotients_are_seen_through(formula: str, method: str) -> None:
     assert truth.hit.any() and (frame.status == Status.MISS).any()
 
 
-@pytest.mark.parametrize("method", ["ia", "raa", "contract"])
+@pytest.mark.parametrize("method", ["ia", "raa", "contract", "mitchell"])
 @pytest.mark.parametrize("formula", ["x + 1e300", "x^2 + 1e39", "x - 1e300*y + 1e300", "1e300 - 1e300*x^2 + z"])
 def test_constants_past_the_largest_real(formula: str, method: str) -> None:
     frame = irt.render(formula, size=(24, 24), method=method, outputs=())
