@@ -150,7 +150,7 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
     whole.error = std::max(whole.error, f.size[at] / s.hi);
     whole.largest = std::max(whole.largest, std::fabs(quotient.hi));
   }
-  if (!std::isfinite(whole.error) || !std::isfinite(whole.largest) || !(whole.error < 1e300))
+  if (!std::isfinite(whole.error) || !std::isfinite(whole.largest) || !(whole.error < 1e290))
     throw MethodError("the coefficients of the polynomial over the view leave the range of doubles; scale the formula, or use method=\"contract\"");
   // The corners of the frustum may be off by 1e-30 of its size.
   whole.error = whole.error * (f.depth + 16) * kDoubleDoubleUnit * 1.001 + 1e-26 * whole.largest;

@@ -2,6 +2,7 @@
 #include "numerics/frustum_cuts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -29,9 +30,56 @@ template <std::size_t kVectors>
   }
 }
 
+// 2^-k.
+constexpr std::size_t kMostRuns = 33;
+constexpr std::array<double, kMostRuns + 1> kHalves = [] {
+  std::array<double, kMostRuns + 1> a{1};
+  for (std::size_t k = 1; k < a.size(); ++k) a[k] = 0.5 * a[k - 1];
+  return a;
+}();
+
+// All rounds on one run of vectors that stays in registers: sums instead of means, halved at the end, which rounds alike.
+template <std::size_t kCount>
+[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t stride) {
+  Lanes v[kCount];
+#pragma GCC unroll 16
+  for (std::size_t i = 0; i < kCount; ++i) v[i] = *reinterpret_cast<const Lanes*>(a + i * stride);
+#pragma GCC unroll 16
+  for (std::size_t round = 0; round < kCount; ++round) {
+    *reinterpret_cast<Lanes*>(b + (kCount - 1 - round) * stride) = v[kCount - 1] * kHalves[round];
+#pragma GCC unroll 16
+    for (std::size_t i = kCount - 1; i > round; --i) v[i] += v[i - 1];
+  }
+#pragma GCC unroll 16
+  for (std::size_t i = 1; i < kCount; ++i) *reinterpret_cast<Lanes*>(a + i * stride) = v[i] * kHalves[i];
+}
+
+template <std::size_t kCount>
+[[gnu::always_inline]] inline void all_rounds(double* first, double* second, const Runs& runs) {
+  for (std::size_t r = 0; r < runs.count; ++r)
+    for (std::size_t m = 0; m < runs.width; m += kLanes) rounds<kCount>(first + r * runs.step + m, second + r * runs.step + m, runs.stride);
+}
+
 }  // namespace
 
 IRT_WIDEST void halve(double* first, double* second, const Runs& runs) {
+  switch (runs.n) {
+    case 2: return all_rounds<2>(first, second, runs);
+    case 3: return all_rounds<3>(first, second, runs);
+    case 4: return all_rounds<4>(first, second, runs);
+    case 5: return all_rounds<5>(first, second, runs);
+    case 6: return all_rounds<6>(first, second, runs);
+    case 7: return all_rounds<7>(first, second, runs);
+    case 8: return all_rounds<8>(first, second, runs);
+    case 9: return all_rounds<9>(first, second, runs);
+    case 10: return all_rounds<10>(first, second, runs);
+    case 11: return all_rounds<11>(first, second, runs);
+    case 12: return all_rounds<12>(first, second, runs);
+    case 13: return all_rounds<13>(first, second, runs);
+    case 14: return all_rounds<14>(first, second, runs);
+    case 15: return all_rounds<15>(first, second, runs);
+    default: break;
+  }
   const std::size_t vectors = runs.width / kLanes;
   for (std::size_t r = 0; r < runs.count; ++r) {
     double *a = first + r * runs.step, *b = second + r * runs.step;
@@ -100,6 +148,19 @@ IRT_WIDEST Steps steps_of(const double* values, std::size_t n, std::size_t strid
   Steps s{least[0], most[0], slowest[0]};
   for (std::size_t k = 1; k < kLanes; ++k) s = {std::min(s.least, least[k]), std::max(s.most, most[k]), std::min(s.slowest, slowest[k])};
   return s;
+}
+
+// Whole vectors: what a line writes beyond its end the next one overwrites.
+IRT_WIDEST void pack(const double* from, std::size_t lines, std::size_t n, std::size_t m, double scale, float* to) {
+  typedef float Floats __attribute__((vector_size(sizeof(float) * kLanes), aligned(alignof(float)), may_alias));
+  for (std::size_t line = 0; line < lines; ++line, from += m, to += n)
+    for (std::size_t i = 0; i < n; i += kLanes)
+      *reinterpret_cast<Floats*>(to + i) = __builtin_convertvector(*reinterpret_cast<const Lanes*>(from + i) * scale, Floats);
+}
+
+IRT_WIDEST void pack(const double* from, std::size_t lines, std::size_t n, std::size_t m, double scale, double* to) {
+  for (std::size_t line = 0; line < lines; ++line, from += m, to += n)
+    for (std::size_t i = 0; i < n; i += kLanes) *reinterpret_cast<Lanes*>(to + i) = *reinterpret_cast<const Lanes*>(from + i) * scale;
 }
 
 }  // namespace irt::numerics

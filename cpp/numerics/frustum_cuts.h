@@ -27,4 +27,8 @@ Steps steps_of(const double* values, std::size_t n, std::size_t stride);
 
 constexpr std::size_t kLanes = 4;
 
+// `lines` lines of n values, m apart, times `scale`, one behind the other; writes up to kLanes values beyond the last.
+void pack(const double* from, std::size_t lines, std::size_t n, std::size_t m, double scale, float* to);
+void pack(const double* from, std::size_t lines, std::size_t n, std::size_t m, double scale, double* to);
+
 }  // namespace irt::numerics

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -30,15 +32,29 @@ struct Block {
   int first, last;  // depth, in parts of 2^-kMostDepthCuts
 };
 
-// What one thread has found.
+// Memory that grows and is not cleared.
+struct Storage {
+  std::unique_ptr<std::byte[]> bytes;
+  std::size_t size = 0;
+
+  void grow(std::size_t wanted, std::size_t used) {
+    if (wanted <= size) return;
+    const std::size_t larger = std::max(wanted, size + size / 2);
+    auto moved = std::make_unique_for_overwrite<std::byte[]>(larger);
+    std::copy_n(bytes.get(), used, moved.get());
+    bytes = std::move(moved);
+    size = larger;
+  }
+};
+
+// What one thread has found: leaves, and their coefficients as kernels take them, one behind the other.
 struct Found {
   struct Leaf {
     int x, y;
     Cells::Cell cell;
-    std::size_t first;  // of its coefficients
   };
   std::vector<Leaf> leaves;
-  std::vector<double> coefficients;
+  Storage coefficients;
 };
 
 // Coefficients as hi + lo; lo is absent where double is enough.
@@ -51,13 +67,16 @@ class Cutter {
  public:
   Cutter(const Frustum& frustum, const Demand& demand, int degree, Found& found)
       : frustum_(frustum), demand_(demand), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_((n_ + kLanes - 1) / kLanes * kLanes),
-        size_(n_ * n_ * m_), grow_(degree + 2),
+        size_(n_ * n_ * m_), bytes_(n_ * n_ * n_ * (demand.single ? sizeof(float) : sizeof(double))), grow_(degree + 2),
         slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {}
 
   // `strip` is the form over column x: [across][down][depth].
   void run(int x, const double* hi, const double* lo, double error) {
     x_ = x;
     full_.assign(static_cast<std::size_t>(frustum_.span_y()), false);
+    if (demand_.tiles)
+      for (int y = frustum_.tile_y0; y < frustum_.tile_y1; ++y) full_[y - frustum_.tile_y0] = !(*demand_.tiles)[frustum_.tile_index(x, y)];
+    if (hidden({frustum_.tile_y0, frustum_.tile_y1, 0, 1})) return;
     precise_ = 0;
     const Form form = at_level(0);
     for (std::size_t j = 0; j < n_; ++j)
@@ -85,14 +104,13 @@ class Cutter {
     if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
     if (form.lo && level >= precise_) {
       // In double; and where that fails, once more a cut further on.
-      const std::size_t leaves = found_.leaves.size(), values = found_.coefficients.size();
+      const std::size_t leaves = found_.leaves.size();
       const std::vector<bool> full = full_;
       const Form copy{at_level(level + 1).hi, nullptr};
       std::copy_n(form.hi, size_, copy.hi);
       strict_ = level < kPreciseCuts;
       if (cut(block, copy, known, level + 1)) return true;
       found_.leaves.resize(leaves);
-      found_.coefficients.resize(values);
       full_ = full;
       precise_ = level + 1;
     }
@@ -200,51 +218,63 @@ class Cutter {
         below = below && first < -error && last > error;
       }
     if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
-    found_.leaves.push_back({x_, b.y0, {at(b.first), at(b.last), kept, nullptr}, found_.coefficients.size()});
-    found_.coefficients.resize(found_.coefficients.size() + n_ * n_ * n_);
-    double* to = &found_.coefficients[found_.leaves.back().first];
-    for (std::size_t line = 0; line < n_ * n_; ++line)
-      for (std::size_t i = 0; i < n_; ++i) *to++ = form.hi[line * m_ + i] * scale;
+    const std::size_t used = found_.leaves.size() * bytes_;
+    found_.coefficients.grow(used + bytes_ + kLanes * sizeof(double), used);
+    std::byte* const to = found_.coefficients.bytes.get() + used;
+    if (demand_.single) {
+      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<float*>(to));
+    } else {
+      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(to));
+    }
+    found_.leaves.push_back({x_, b.y0, {at(b.first), at(b.last), kept}});
     return true;
   }
 
   const Frustum& frustum_;
   Demand demand_;
   Found& found_;
-  std::size_t n_, m_, size_;
+  std::size_t n_, m_, size_, bytes_;  // bytes_: of a cell's coefficients
   double grow_, slack_;
   int x_ = 0;
   int precise_ = 0;     // cuts that this column needs in sums of two doubles
   bool strict_ = true;  // whether cells have to be exact enough
-  std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already: nothing behind it is seen
+  std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already (nothing behind it is seen), or that nobody asked for
   std::vector<std::vector<double>> pool_;
 };
 
 // Blocks of coefficients of earlier frames: fresh pages cost as much as cutting does.
 class Spare {
  public:
-  std::vector<double> take() {
+  Storage take() {
     const std::lock_guard lock(mutex_);
     if (blocks_.empty()) return {};
-    std::vector<double> block = std::move(blocks_.back());
+    Storage block = std::move(blocks_.back());
     blocks_.pop_back();
-    block.clear();
     return block;
   }
-  void give(std::vector<double> block) {
+  void give(Storage block) {
     const std::lock_guard lock(mutex_);
-    if (blocks_.size() < kBlocks && block.capacity() <= kLargest) blocks_.push_back(std::move(block));
+    if (blocks_.size() < kBlocks && block.size <= kLargest) blocks_.push_back(std::move(block));
   }
 
  private:
-  static constexpr std::size_t kBlocks = 8, kLargest = 8u << 20;
+  static constexpr std::size_t kBlocks = 8, kLargest = 64u << 20;
   std::mutex mutex_;
-  std::vector<std::vector<double>> blocks_;
+  std::vector<Storage> blocks_;
 };
 
 Spare& spare() {
-  static Spare* s = new Spare;  // cells may outlive static storage
-  return *s;
+  static Spare s;
+  return s;
+}
+
+// work(0), work(1), ..., each in its own thread.
+template <class Work>
+void in_parallel(std::size_t workers, const Work& work) {
+  std::vector<std::thread> threads;
+  for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work, k);
+  work(0);
+  for (std::thread& t : threads) t.join();
 }
 
 // The form over each column of tiles.
@@ -274,46 +304,48 @@ class Columns {
 
 }  // namespace
 
-Cells cells_of(const PolynomialPlan& plan, const Frustum& f, const Demand& demand) {
-  const int degree = plan.degree(), columns = f.tile_x1 - f.tile_x0, rows = f.tile_y1 - f.tile_y0;
+Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& demand, const std::function<void*(std::size_t)>& room) {
+  const int columns = f.tile_x1 - f.tile_x0, rows = f.tile_y1 - f.tile_y0;
   Cells out;
-  out.degree = degree;
   out.begins.assign(static_cast<std::size_t>(std::max(0, rows * columns)) + 1, 0);
-  if (rows <= 0 || columns <= 0) return out;
-  const Columns strips(f, degree, compose(plan, f));
+  if (rows <= 0 || columns <= 0) {
+    room(0);
+    return out;
+  }
+  const Columns strips(f, degree, whole);
   const std::size_t workers = std::min<std::size_t>(strips.count(), std::max(1u, std::thread::hardware_concurrency()));
   std::vector<Found> found(workers);
   for (Found& part : found) part.coefficients = spare().take();
   std::atomic<std::size_t> next{0};
-  const auto work = [&](std::size_t worker) {
+  in_parallel(workers, [&](std::size_t worker) {
     Cutter cutter(f, demand, degree, found[worker]);
     for (std::size_t k; (k = next++) < strips.count();) {
       const Whole& strip = strips.form(k);
       cutter.run(f.tile_x0 + static_cast<int>(k), strip.hi.data(), strip.lo.data(), strip.error);
     }
-  };
-  std::vector<std::thread> threads;
-  for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work, k);
-  work(0);
-  for (std::thread& t : threads) t.join();
-
-  const auto index = [&](const Found::Leaf& leaf) { return static_cast<std::size_t>(leaf.y - f.tile_y0) * columns + (leaf.x - f.tile_x0); };
-  for (const Found& part : found)
-    for (const auto& leaf : part.leaves) ++out.begins[index(leaf) + 1];
-  for (std::size_t i = 1; i < out.begins.size(); ++i) out.begins[i] += out.begins[i - 1];
-  out.cells.resize(static_cast<std::size_t>(out.begins.back()));
-  out.storage = std::shared_ptr<std::vector<std::vector<double>>>(new std::vector<std::vector<double>>, [](auto* blocks) {
-    for (auto& block : *blocks) spare().give(std::move(block));
-    delete blocks;
   });
+  for (const Found& part : found)
+    for (const auto& leaf : part.leaves) ++out.begins[f.tile_index(leaf.x, leaf.y) + 1];
+  for (std::size_t i = 1; i < out.begins.size(); ++i) out.begins[i] += out.begins[i - 1];
+  const auto count = static_cast<std::size_t>(out.begins.back());
+  out.cells.resize(count);
+  const std::size_t n = static_cast<std::size_t>(degree) + 1, bytes = n * n * n * (demand.single ? sizeof(float) : sizeof(double));
+  auto* const to = static_cast<std::byte*>(room(count));
   std::vector<std::int32_t> at = out.begins;
-  for (Found& part : found) {
-    out.storage->push_back(std::move(part.coefficients));
-    for (auto& leaf : part.leaves) {
-      leaf.cell.coefficients = out.storage->back().data() + leaf.first;
-      out.cells[at[index(leaf)]++] = leaf.cell;
+  std::vector<std::vector<std::int32_t>> places(workers);
+  for (std::size_t worker = 0; worker < workers; ++worker)
+    for (const auto& leaf : found[worker].leaves) {
+      places[worker].push_back(at[f.tile_index(leaf.x, leaf.y)]++);
+      out.cells[places[worker].back()] = leaf.cell;
     }
-  }
+  in_parallel(workers, [&](std::size_t worker) {
+    const std::byte* from = found[worker].coefficients.bytes.get();
+    for (const std::int32_t place : places[worker]) {
+      std::copy_n(from, bytes, to + static_cast<std::size_t>(place) * bytes);
+      from += bytes;
+    }
+  });
+  for (Found& part : found) spare().give(std::move(part.coefficients));
   return out;
 }
 

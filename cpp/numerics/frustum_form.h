@@ -10,6 +10,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "numerics/ray_polynomial.h"
@@ -32,6 +33,8 @@ struct Frustum {
   // Tiles across and down that the form is made over: powers of two, so that all cuts are halvings and exact.
   int span_x() const { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(tile_x1 - tile_x0))); }
   int span_y() const { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(tile_y1 - tile_y0))); }
+  // Of those that count, row by row.
+  std::size_t tile_index(int x, int y) const { return static_cast<std::size_t>(y - tile_y0) * static_cast<std::size_t>(tile_x1 - tile_x0) + static_cast<std::size_t>(x - tile_x0); }
 };
 
 // f over span_x() x span_y() tiles from (tile_x0, tile_y0) and from near to far: Bernstein coefficients [across][down][depth] as sums
@@ -47,24 +50,25 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum);
 // Cells in the order of their tiles, each tile's from front to back.
 struct Cells {
   struct Cell {
-    double near, far;            // s
-    double error;                // bounds the error of each coefficient; the largest coefficient lies in [1, 2)
-    const double* coefficients;  // (degree + 1)^3, [j][k][i]: down, depth, across
+    double near, far;  // s
+    double error;      // bounds the error of each coefficient before it is rounded; the largest coefficient lies in [1, 2)
   };
-  int degree = 0;
   std::vector<std::int32_t> begins;  // of each tile in `cells`, row by row, and the end
   std::vector<Cell> cells;
-  std::shared_ptr<std::vector<std::vector<double>>> storage;
 };
 
 constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
 
-// How exactly kernels will carry a cell: their rounding, in parts of its largest coefficient, and the width of depth that is asked for.
+// How exactly kernels will carry a cell: their rounding, in parts of its largest coefficient, and the width of depth that is asked for; whether
+// they take floats; and the tiles that are asked for, row by row, where it is not all of them.
 struct Demand {
   double rounding, eps;
+  bool single;
+  const std::vector<bool>* tiles = nullptr;
 };
 
-// The cells of f over the frustum. Throws MethodError where the coefficients leave the range of doubles.
-Cells cells_of(const PolynomialPlan& plan, const Frustum& frustum, const Demand& demand);
+// The cells of f over the frustum, f being of `degree`. `room` is asked once for memory for the coefficients of so many cells; each has
+// (degree + 1)^3, [j][k][i]: down, depth, across.
+Cells cells_of(const Whole& f, int degree, const Frustum& frustum, const Demand& demand, const std::function<void*(std::size_t)>& room);
 
 }  // namespace irt::numerics

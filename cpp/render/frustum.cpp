@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstring>
 #include <deque>
 #include <mutex>
 
@@ -133,24 +134,29 @@ double rounding_of(int degree, Precision precision) { return (degree + 4) * (pre
 // Cells as buffers: slabs and forms, and a packet more, since kernels load whole ones.
 struct Forms {
   Memory tiles;
-  Reals slabs, form;
+  Reals slabs;
+  Memory form;
 };
 
-Forms forms_of(const numerics::Cells& cells, const kernel::Spec& spec) {
-  const std::size_t n = static_cast<std::size_t>(cells.degree) + 1, size = n * n * n, count = cells.cells.size();
-  // Room for whole steps of cells, so that the next frame can often have the same block.
-  const std::size_t room = (count + kCellSteps - 1) / kCellSteps * kCellSteps;
-  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * room), Reals(spec.precision, size * room + spec.width)};
+// Of `tiles` only, where these are given (numerics::Demand).
+Forms forms_of(const numerics::Whole& whole, const Screen& screen, const kernel::Spec& spec, const Options& options, const std::vector<bool>* wanted) {
+  const std::size_t n = static_cast<std::size_t>(spec.degree) + 1, size = n * n * n * size_of(spec.precision);
+  const double rounding = rounding_of(spec.degree, spec.precision);
+  std::optional<Memory> form;
+  const numerics::Cells cells = numerics::cells_of(whole, spec.degree, screen.frustum, {rounding, options.eps, spec.precision == Precision::Single, wanted}, [&](std::size_t count) {
+    // Room for whole steps of cells, so that the next frame can often have the same block.
+    form.emplace((count + kCellSteps - 1) / kCellSteps * kCellSteps * size + spec.width * size_of(spec.precision));
+    std::memset(form->as<std::byte>() + count * size, 0, spec.width * size_of(spec.precision));
+    return form->data();
+  });
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * cells.cells.size()), *form};
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
-  const double rounding = 2 * rounding_of(cells.degree, spec.precision);
-  for (std::size_t m = 0; m < count; ++m) {
+  for (std::size_t m = 0; m < cells.cells.size(); ++m) {
     const auto& cell = cells.cells[m];
     out.slabs.set(4 * m, cell.near);
     out.slabs.set(4 * m + 1, cell.far - cell.near);
-    out.slabs.set_above(4 * m + 2, cell.error + rounding);
-    out.form.copy(m * size, cell.coefficients, size);
+    out.slabs.set_above(4 * m + 2, cell.error + 2 * rounding);
   }
-  for (int k = 0; k < spec.width; ++k) out.form.set(count * size + k, 0);
   return out;
 }
 
@@ -256,20 +262,20 @@ kernel::Spec cells_spec(const Options& options, const device::Device& device, Pr
 }
 
 // By the kernel of `precision`: one frame, or those packets of it that hold a pixel of `open` (row * pitch + column), one after another.
-Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
-            device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0) {
+Answer pass(const numerics::Whole& whole, int degree, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
+            device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0, const std::vector<bool>* wanted = nullptr) {
   const auto start = std::chrono::steady_clock::now();
-  const kernel::Spec spec = cells_spec(options, device, precision, cells.degree, screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
+  const kernel::Spec spec = cells_spec(options, device, precision, degree, screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, precision, options);
-  const Forms forms = forms_of(cells, spec);
-  const Reals basis = basis_of(screen, cells.degree, options, precision);
+  const Forms forms = forms_of(whole, screen, spec, options, wanted);
+  const Reals basis = basis_of(screen, degree, options, precision);
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
              tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
-             form = forms.form.buffer(device), values = basis.buffer(device);
+             form = device.buffer(forms.form.data(), forms.form.bytes(), device::Access::read), values = basis.buffer(device);
   std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)};
   std::optional<Memory> list;
   std::unique_ptr<device::Buffer> pixels;
@@ -289,24 +295,15 @@ Answer pass(const numerics::Cells& cells, const Screen& screen, const View& view
   return answer;
 }
 
-// The tiles of `screen` that have a pixel among `open`; the others' cells are left out.
-numerics::Cells only(const numerics::Cells& cells, const Screen& screen, const std::vector<std::size_t>& open, std::size_t pitch) {
+// The tiles of `screen` that have a pixel among `open`.
+std::vector<bool> tiles_of(const Screen& screen, const std::vector<std::size_t>& open, std::size_t pitch) {
   const numerics::Frustum& f = screen.frustum;
-  const int columns = f.tile_x1 - f.tile_x0;
-  std::vector<bool> wanted(cells.begins.size(), false);
+  std::vector<bool> tiles(static_cast<std::size_t>(f.tile_x1 - f.tile_x0) * static_cast<std::size_t>(f.tile_y1 - f.tile_y0), false);
   for (const std::size_t i : open) {
-    const int x = static_cast<int>(i % pitch) / screen.tile - f.tile_x0, y = static_cast<int>(i / pitch) / screen.tile - f.tile_y0;
-    if (x >= 0 && y >= 0 && x < columns && y < f.tile_y1 - f.tile_y0) wanted[static_cast<std::size_t>(y) * columns + x] = true;
+    const int x = static_cast<int>(i % pitch) / screen.tile, y = static_cast<int>(i / pitch) / screen.tile;
+    if (x >= f.tile_x0 && y >= f.tile_y0 && x < f.tile_x1 && y < f.tile_y1) tiles[f.tile_index(x, y)] = true;
   }
-  numerics::Cells out;
-  out.degree = cells.degree;
-  out.storage = cells.storage;
-  for (std::size_t tile = 0; tile + 1 < cells.begins.size(); ++tile) {
-    out.begins.push_back(static_cast<std::int32_t>(out.cells.size()));
-    if (wanted[tile]) out.cells.insert(out.cells.end(), cells.cells.begin() + cells.begins[tile], cells.cells.begin() + cells.begins[tile + 1]);
-  }
-  out.begins.push_back(static_cast<std::int32_t>(out.cells.size()));
-  return out;
+  return tiles;
 }
 
 // All pixels of the packets of `width` that hold one of `open`, which is sorted.
@@ -365,12 +362,13 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   const Formulas unclipped{formulas.f, {}, formulas.parameters};
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   std::optional<Screen> screen;
-  numerics::Cells cells;
+  numerics::Whole whole;
+  int degree;
   try {
     const auto planned = planned_of(formulas.f, formulas.parameters);
-    const int degree = planned->plan.degree();
+    degree = planned->plan.degree();
     screen = screen_of(view, bounds, degree);
-    cells = numerics::cells_of(planned->plan, screen->frustum, {rounding_of(degree, first), options.eps});
+    whole = numerics::compose(planned->plan, screen->frustum);
   } catch (const MethodError&) {
     if (!options.or_march) throw;
     Answer answer = camera_passes(program, unclipped, view, bounds, marching(options), device);
@@ -378,7 +376,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     return answer;
   }
   const double prepared = seconds_since(start);
-  Answer answer = pass(cells, *screen, view, bounds, options, device, first);
+  Answer answer = pass(whole, degree, *screen, view, bounds, options, device, first);
   answer.prepare_seconds += prepared;
   if (options.precision == PrecisionMode::Single || !device.info().fp64 || !options.outward || answer.outcome != device::Outcome::done) return answer;
   std::vector<std::size_t> open = undecided(answer, options);
@@ -396,7 +394,8 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   if (marches(kDoubleShare, kDoubleLeast)) return answer;
   if (first == Precision::Single && open.size() > kFewPixels) {
     const std::vector<std::size_t> packets = whole_packets(open, static_cast<std::size_t>(packet_width(device, Precision::Double)));
-    const Answer second = pass(only(cells, *screen, open, answer.pitch), *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch);
+    const std::vector<bool> tiles = tiles_of(*screen, open, answer.pitch);
+    const Answer second = pass(whole, degree, *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch, &tiles);
     std::vector<std::size_t> there;  // where each open pixel lies in the list
     for (const std::size_t i : open)
       there.push_back(static_cast<std::size_t>(std::lower_bound(packets.begin(), packets.end(), i) - packets.begin()));
@@ -407,15 +406,13 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
-  // A formula that is drawn again with parameters has a slider, which should compile nothing wherever it is moved.
-  if (first == Precision::Single && program.inputs() && answer.builds == 0)
-    device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, cells.degree, screen->tile, bounds, kernel::Entry::PixelList)),
+  // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes.
+  if (first == Precision::Single && answer.builds == 0)
+    device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, degree, screen->tile, bounds, kernel::Entry::PixelList)),
                    kernel::entry_name(kernel::Entry::PixelList));
   if (open.empty() || marches(kReferenceShare, kReferenceLeast)) return answer;
   const std::size_t counted = answer.escalated + open.size();
-  const auto asked = std::chrono::steady_clock::now();
   decide(answer, open, rays_of(view, open, answer.pitch), unclipped, query_of(unclipped, bounds, options), options);
-  answer.prepare_seconds += seconds_since(asked);
   answer.escalated = counted;
   return answer;
 }
