@@ -258,14 +258,16 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
   std::exception_ptr failure;
   unsigned running = 0;
 
+  // Few rays are shared out too.
+  const unsigned workers = std::clamp<unsigned>(std::thread::hardware_concurrency(), 1, 64);
+  const std::size_t chunk = std::clamp<std::size_t>(rays.size() / (4 * workers), 1, 16);
   const auto work = [&] {
-    constexpr std::size_t kChunk = 16;
     try {
       Subdivision subdivision(formula, query.quick);
       std::optional<Region> region;
       if (g) region.emplace(*g);
-      for (std::size_t first; !stopped && (first = next.fetch_add(kChunk)) < rays.size();) {
-        const std::size_t last = std::min(first + kChunk, rays.size());
+      for (std::size_t first; !stopped && (first = next.fetch_add(chunk)) < rays.size();) {
+        const std::size_t last = std::min(first + chunk, rays.size());
         for (std::size_t i = first; i < last && !stopped; ++i) {
           const auto clip = clip_of(rays[i], tmin[i], tmax[i], query);
           if (!clip) {
@@ -290,7 +292,7 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
   };
 
   std::vector<std::jthread> threads;
-  running = std::clamp<unsigned>(std::thread::hardware_concurrency(), 1, 64);
+  running = workers;
   for (unsigned k = running; k > 0; --k) threads.emplace_back(work);
   {
     std::unique_lock lock(mutex);

@@ -310,14 +310,25 @@ void tally(Answer& answer, const Options& options) {
 
 std::vector<std::size_t> undecided(const Answer& answer, const Options& options) {
   std::vector<std::size_t> open;
-  for (std::size_t row = 0; row < answer.rows; ++row)
-    for (std::size_t column = 0; column < answer.columns; ++column) {
-      const std::size_t i = row * answer.pitch + column;
-      const unsigned char status = answer.status->as<unsigned char>()[i];
-      const auto width = [&] { return 2 * (answer.wide ? answer.uncertainty->as<double>()[i] : answer.uncertainty->as<float>()[i]); };
-      if (status >= 2 || (status == 1 && options.outward && !(width() <= options.eps)))
-        open.push_back(i);
+  const auto of = [&](const auto* uncertainty) {
+    const auto is_open = [&](unsigned char status, auto half) {
+      return static_cast<unsigned>(status >= 2) | (static_cast<unsigned>(status == 1) & static_cast<unsigned>(options.outward) & static_cast<unsigned>(!(2 * half <= options.eps)));
+    };
+    for (std::size_t row = 0; row < answer.rows; ++row) {
+      const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
+      const auto* half = uncertainty + row * answer.pitch;
+      // Most rows have none, which vector code tells.
+      unsigned some = 0;
+      for (std::size_t i = 0; i < answer.columns; ++i) some |= is_open(status[i], half[i]);
+      for (std::size_t i = 0; some && i < answer.columns; ++i)
+        if (is_open(status[i], half[i])) open.push_back(row * answer.pitch + i);
     }
+  };
+  if (answer.wide) {
+    of(answer.uncertainty->as<double>());
+  } else {
+    of(answer.uncertainty->as<float>());
+  }
   return open;
 }
 

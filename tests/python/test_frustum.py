@@ -202,3 +202,15 @@ def test_pixels_that_the_reference_decided_are_told() -> None:
     frame = irt.render(irt.surfaces["barth_decic"], size=(64, 64), method="frustum-mr")
     assert 0 < frame.stats.by_reference < frame.stats.escalated
     assert irt.render("x^2 + y^2 + z^2 - 1", size=(16, 16), method="frustum-mr").stats.by_reference == 0
+
+
+def test_nothing_is_built_twice_for_a_degree() -> None:
+    """Not for another polynomial, a moved camera, or a moved slider; the passes in double included."""
+    call = {"size": (96, 96), "method": "frustum-newton", "eps": 1e-4}
+    decic = irt.render(irt.surfaces["barth_decic"], **call)
+    assert decic.stats.escalated > 64
+    camera = irt.Camera((-4, 5, 6))
+    frames = [irt.render(irt.surfaces["barth_decic"].expr, bounds=1.9, camera=camera, **call)]
+    frames += [irt.render("x^10 + a*y^6*z^4 + z^10 - x*y - 0.3", params={"a": a}, camera=camera, **call) for a in (0.5, 3)]
+    assert [f.stats.builds for f in frames] == [0, 0, 0]
+    assert frames[0].stats.escalated > 64
