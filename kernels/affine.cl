@@ -2,8 +2,9 @@
 // z >= 0. e is the position within the piece of ray, shared by all values; z takes everything else.
 //
 // Deviations from S1: squares have their own, tighter rule; and with IRT_OUTWARD the rounding of x, y and z goes into z.
-// In the bounds below A = |x| + |y| + z is the largest magnitude of a form and the rounding of x is told apart from that
-// of the rest, because near a root x is what limits how close a sign can be proven.
+// The rounding of x is told apart from that of the rest, because near a root x is what limits how close a sign can be proven.
+// In the comments below numbers are ulp (relative errors of ULP): a rounded step errs by a half. Products of errors are covered by
+// the hundredths in what is added.
 
 typedef struct {
   F x, y, z;
@@ -19,18 +20,10 @@ static inline RA ra(F x, F y, F z) {
 
 static inline F ra_rad(RA a) { return fabs(a.y) + a.z; }
 
-// How far from x the values of a form may lie.
-static inline F ra_reach(RA a) {
+// A form whose x, y and z were each computed with one rounding. y: 0.5. z: 0.5, and 0.5 in each of the two steps here.
 #if IRT_OUTWARD
-  return ra_rad(a) * (R(1.0) + R(4.0) * ULP) + (F)ULP * fabs(a.x);
-#else
-  return ra_rad(a);
-#endif
-}
-
-// A form whose x, y and z were each computed with one rounding: half an ulp of each, half an ulp of the sum itself.
-#if IRT_OUTWARD
-#define RA_ROUNDED(x, y, z) ra(x, y, fma((F)(R(1.5) * ULP), fabs(x) + fabs(y) + (z), z))
+#define ROUNDED R(0.501)  // of what is rounded once, and more than the square of that
+#define RA_ROUNDED(x, y, z) ra(x, y, fma((F)(R(1.51) * ULP), fabs(y) + (z), fma((F)(ROUNDED * ULP), fabs(x), z)))
 #else
 #define RA_ROUNDED(x, y, z) ra(x, y, z)
 #endif
@@ -47,35 +40,36 @@ static inline RA ra_sub(RA a, RA b) {
   return RA_ROUNDED(x, y, z);
 }
 
+// Of |a||b| but |x|: y has 1; z has 1 for the rounding of both radii, 0.5 in the step that multiplies them and 0.5 in both that follow.
 static inline RA ra_mul(RA a, RA b) {
   const F ra_ = ra_rad(a), rb = ra_rad(b), ax = fabs(a.x), bx = fabs(b.x);
   const F x = a.x * b.x, y = fma(a.x, b.y, b.x * a.y);
 #if IRT_OUTWARD
   const F z = fma(ra_, rb, fma(ax, b.z, fma(bx, a.z, (F)TINY)));
   const F rest = fma(ax + ra_, rb, ra_ * bx);  // all of |a||b| but |x|
-  return ra(x, y, fma((F)(R(6.0) * ULP), rest, fma((F)ULP, fabs(x), z)));
+  return ra(x, y, fma((F)(R(2.51) * ULP), rest, fma((F)(ROUNDED * ULP), fabs(x), z)));
 #else
   return ra(x, y, fma(ra_, rb, fma(ax, b.z, bx * a.z)));
 #endif
 }
 
-// (x + d)^2 with |d| <= r is x^2 + 2 x d + d^2, and d^2 lies in [0, r^2].
+// (x + d)^2 with |d| <= r is x^2 + 2 x d + d^2, and d^2 lies in [0, r^2]. h, which errs by 1.5, is in x and in z, where four steps follow.
 static inline RA ra_sqr(RA a) {
   const F r = ra_rad(a), h = R(0.5) * r * r, two = a.x + a.x;
   const F x = fma(a.x, a.x, h), y = two * a.y;
 #if IRT_OUTWARD
   const F z = fma(fabs(two), a.z, h + (F)TINY);
-  return ra(x, y, fma((F)(R(6.0) * ULP), fma(fabs(two), r, h), fma((F)ULP, x, z)));
+  return ra(x, y, fma((F)(R(5.01) * ULP), fma(fabs(two), r, h), fma((F)(ROUNDED * ULP), x, z)));
 #else
   return ra(x, y, fma(fabs(two), a.z, h));
 #endif
 }
 
-// c * a for a constant c >= 0 that is known to within k ulp.
-static inline RA ra_scale(RA a, real c, real k) {
+// c * a for a constant c >= 0 that is known to within n ulp. z is rounded four times.
+static inline RA ra_scale(RA a, real c, real n) {
   const F x = c * a.x, y = c * a.y, z = c * a.z;
 #if IRT_OUTWARD
-  return ra(x, y, fma((F)(k * ULP), fabs(x) + fabs(y) + z, z + (F)TINY));
+  return ra(x, y, fma((F)((n + R(2.01)) * ULP), fabs(y) + z, fma((F)((n + ROUNDED) * ULP), fabs(x), z + (F)TINY)));
 #else
   return ra(x, y, z);
 #endif
@@ -85,7 +79,8 @@ static inline RA ra_scale(RA a, real c, real k) {
 static inline RA ra_shift(RA a, real c, real error) {
   const F x = a.x + c;
 #if IRT_OUTWARD
-  return ra(x, a.y, fma((F)(R(1.5) * ULP), fabs(x) + a.z, a.z + error));
+  const F z = a.z + error;
+  return ra(x, a.y, fma((F)(R(1.51) * ULP), z, fma((F)(ROUNDED * ULP), fabs(x), z)));
 #else
   return ra(x, a.y, a.z);
 #endif
@@ -93,19 +88,19 @@ static inline RA ra_shift(RA a, real c, real error) {
 
 static inline IA ra_range(RA a) {
 #if IRT_OUTWARD
-  const F r = ra_rad(a) * (R(1.0) + R(2.0) * ULP);
+  const F r = ra_rad(a) * (R(1.0) + R(1.0) * ULP);
 #else
   const F r = ra_rad(a);
 #endif
   // Before min and max could drop it, nan (infinity times zero) becomes the whole line.
-  return IA_OUT(NAN_TO(a.x - r, -INF), NAN_TO(a.x + r, INF), EXACT_K);
+  return IA_OUT(NAN_TO(a.x - r, -INF), NAN_TO(a.x + r, INF), EXACT);
 }
 
 // An interval as a form that has forgotten where in the piece it is.
 static inline RA ra_from_range(IA a) {
   const F x = R(0.5) * a.lo + R(0.5) * a.hi;
 #if IRT_OUTWARD
-  const F z = max(a.hi - x, x - a.lo) * (R(1.0) + R(2.0) * ULP) + (F)TINY;
+  const F z = max(a.hi - x, x - a.lo) * (R(1.0) + R(2.0) * ULP);
 #else
   const F z = max(a.hi - x, x - a.lo);
 #endif

@@ -6,7 +6,7 @@ static inline RA ra_abs(RA a, IA range, IA result) {
   const F lo = min(range.lo, (F)0), hi = max(range.hi, (F)0), width = max(hi - lo, (F)TINY);
   const F alpha = (hi + lo) / width, gap = -hi * (lo / width), x = fma(alpha, a.x, gap), y = alpha * a.y;
 #if IRT_OUTWARD
-  const F z = fma((F)(R(12.0) * ULP), fabs(a.x) + ra_reach(a) + gap, fma(fabs(alpha), a.z, gap)) + (F)TINY;
+  const F z = fma((F)(R(12.0) * ULP), fabs(a.x) + ra_rad(a) + gap, fma(fabs(alpha), a.z, gap)) + (F)TINY;
 #else
   const F z = fma(fabs(alpha), a.z, gap);
 #endif

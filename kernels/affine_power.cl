@@ -4,17 +4,20 @@
 // farthest from it at M: by G = M^n - a^n - n a^(n-1) r, and by Taylor's theorem G <= n (n - 1) / 2 M^(n-2) r^2, which does
 // not cancel where r is small. The form is the tangent moved up by G / 2. Where the base may be zero, it is the range.
 
+// The largest size of the base, no less than it is.
+#define RA_MOST(a) ((fabs((a).x) + ra_rad(a)) * (R(1.0) + R(2.0) * ULP))
+
 // power_below(a) = a^(n-1), power_twice(M) = M^(n-2); even: whether n is.
 #define RA_POWER(a, power_below, power_twice, n, even) \
-  ra_power(a, power_below(fabs((a).x)), power_twice(fabs((a).x) + ra_reach(a)), n, even)
+  ra_power(a, RA_MOST(a), power_below(fabs((a).x)), power_twice(RA_MOST(a)), n, even)
 
-static inline RA ra_power(RA a, F below, F twice, real n, I even) {
-  const F size = fabs(a.x), reach = ra_reach(a), most = size + reach;
+static inline RA ra_power(RA a, F most, F below, F twice, real n, I even) {
+  const F size = fabs(a.x), reach = ra_rad(a);
   const F power = below * size, top = twice * most * most, steep = n * below;
   const F rise = fma(steep, reach, power);  // the tangent at the far end
 #if IRT_OUTWARD
   const real k = (R(0.5) * n + R(3.0)) * ULP;  // a power of n factors errs by n / 2 ulp
-  const F gap = min((top - rise) + k * (top + rise), R(0.5) * n * (n - R(1.0)) * twice * reach * reach * (R(1.0) + R(2.0) * k)) + (F)TINY;
+  const F gap = min((top - rise) + k * (top + rise), R(0.5) * n * (n - R(1.0)) * twice * reach * reach * (R(1.0) + R(2.0) * k));
 #else
   const F gap = top - rise;
 #endif

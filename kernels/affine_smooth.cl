@@ -11,12 +11,14 @@
 #define RA_PICK(m, a, b) ra(SELECT(m, (a).x, (b).x), SELECT(m, (a).y, (b).y), SELECT(m, (a).z, (b).z))
 #define WITHIN(a, range) (GE((a).x, (range).lo) & LE((a).x, (range).hi))
 
-// The form value + slope d + [low, high], |d| <= reach, low <= 0 <= high, where `allowed`; else the range. Value, slope, low
-// and high are known to k - 3 ulp, the slope to TINY where it is smaller.
-static inline RA ra_smooth(RA a, F reach, F value, F slope, F low, F high, real k, I allowed, IA range) {
+// The form value + slope d + [low, high], |d| <= reach, low <= 0 <= high, where `allowed`; else the range. `reach` may be rounded down. The
+// value is known to n ulp (the sum with half the remainder rounds it once more), and so near a root is the form. Slope, low and high are small
+// where the piece is short: they are known to 19 ulp (square roots), the slope to TINY where it is smaller, and half an ulp for each of the
+// steps in which they become y and z.
+static inline RA ra_smooth(RA a, F reach, F value, F slope, F low, F high, real n, I allowed, IA range) {
   const F waste = fma((F)TINY, reach, R(0.5) * (high - low)), x = value + R(0.5) * (low + high);
 #if IRT_OUTWARD
-  const F z = fma((F)(k * ULP), fabs(value) + fma(fabs(slope), reach, high - low), fma(fabs(slope), a.z, waste)) + (F)TINY;
+  const F z = fma((F)(R(22.0) * ULP), fma(fabs(slope), reach, high - low), fma((F)((n + ROUNDED) * ULP), fabs(value), fma(fabs(slope), a.z, waste))) + (F)TINY;
 #else
   const F z = fma(fabs(slope), a.z, waste);
 #endif

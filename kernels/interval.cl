@@ -14,14 +14,14 @@ static inline IA ia(F lo, F hi) {
   return r;
 }
 
-// Rounds two computed ends outward by k ulp.
-#define IA_OUT(l, h, k) ia(LOWER(CAP_LOWER(l), k), UPPER(CAP_UPPER(h), k))
+// Rounds two computed ends outward by n ulp.
+#define IA_OUT(l, h, n) ia(LOWER(CAP_LOWER(l), n), UPPER(CAP_UPPER(h), n))
 
 static inline IA ia_neg(IA a) { return ia(-a.hi, -a.lo); }
 
-static inline IA ia_add(IA a, IA b) { return IA_OUT(a.lo + b.lo, a.hi + b.hi, EXACT_K); }
+static inline IA ia_add(IA a, IA b) { return IA_OUT(a.lo + b.lo, a.hi + b.hi, EXACT); }
 
-static inline IA ia_sub(IA a, IA b) { return IA_OUT(a.lo - b.hi, a.hi - b.lo, EXACT_K); }
+static inline IA ia_sub(IA a, IA b) { return IA_OUT(a.lo - b.hi, a.hi - b.lo, EXACT); }
 
 static inline IA ia_mul(IA a, IA b) {
   const F p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
@@ -32,27 +32,27 @@ static inline IA ia_mul(IA a, IA b) {
 #else
   const F lo = min(min(p, q), min(r, s)), hi = max(max(p, q), max(r, s));
 #endif
-  return IA_OUT(lo, hi, EXACT_K);
+  return IA_OUT(lo, hi, EXACT);
 }
 
 // Both factors are never negative.
 static inline IA ia_mul_nonnegative(IA a, IA b) {
   const F lo = NAN_TO(a.lo * b.lo, (F)0), hi = NAN_TO(a.hi * b.hi, INF);
-  return ia(max(LOWER(CAP_LOWER(lo), EXACT_K), (F)0), UPPER(hi, EXACT_K));
+  return ia(max(LOWER(CAP_LOWER(lo), EXACT), (F)0), UPPER(hi, EXACT));
 }
 
 // The range of a * a; never negative (the even-power rule of S1 section 4.2).
 static inline IA ia_sqr(IA a) {
   const F p = a.lo * a.lo, q = a.hi * a.hi;
   const F lo = SELECT(LE(a.lo, (F)0) & GE(a.hi, (F)0), (F)0, min(p, q));
-  return ia(max(LOWER(CAP_LOWER(lo), EXACT_K), (F)0), UPPER(max(p, q), EXACT_K));
+  return ia(max(LOWER(CAP_LOWER(lo), EXACT), (F)0), UPPER(max(p, q), EXACT));
 }
 
-// c * a for a constant c >= 0 that is known to within k - EXACT_K ulp.
-static inline IA ia_scale(IA a, real c, real k) { return IA_OUT(c * a.lo, c * a.hi, k); }
+// c * a for a constant c >= 0: n is EXACT where c is a real, and an ulp of c and half an ulp for a sum of errors more where it is not.
+static inline IA ia_scale(IA a, real c, real n) { return IA_OUT(c * a.lo, c * a.hi, n); }
 
 // a + [lo, hi] for a constant.
-static inline IA ia_shift(IA a, real lo, real hi) { return IA_OUT(a.lo + lo, a.hi + hi, EXACT_K); }
+static inline IA ia_shift(IA a, real lo, real hi) { return IA_OUT(a.lo + lo, a.hi + hi, EXACT); }
 
 static inline IA ia_abs(IA a) {
   const I through = LE(a.lo, (F)0) & GE(a.hi, (F)0);
@@ -68,7 +68,7 @@ static inline IA ia_min(IA a, IA b) { return ia(min(a.lo, b.lo), min(a.hi, b.hi)
 static inline IA ia_max(IA a, IA b) { return ia(max(a.lo, b.lo), max(a.hi, b.hi)); }
 
 // a ** n by a generated chain of products `power`. A chain for a ** n loses at most n - 1 roundings, and underflow on the
-// way is underflow of the result; k = n / 2 + 1 covers both and the pad. Even powers depend on |a| alone (S1 4.2).
+// way is underflow of the result; k = n / 2. Even powers depend on |a| alone (S1 4.2).
 #define IA_POWER_EVEN(a, power, k) ia_power_even(power(ia_abs(a).lo), power(ia_abs(a).hi), k)
 #define IA_POWER_ODD(a, power, k) IA_OUT(power((a).lo), power((a).hi), k)
 

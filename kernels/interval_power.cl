@@ -4,7 +4,7 @@
 
 // log a; ends below TINY count as zero.
 static inline IA ia_log_of_base(IA a) {
-  const F lo = LOWER(log(max(a.lo, (F)TINY)), R(4.0)), hi = UPPER(log(max(a.hi, (F)TINY)), R(4.0));
+  const F lo = LOWER(log(max(a.lo, (F)TINY)), R(3.0)), hi = UPPER(log(max(a.hi, (F)TINY)), R(3.0));
   return ia(SELECT(LE(a.lo, (F)TINY), -INF, lo), hi);
 }
 

@@ -9,11 +9,12 @@
 #define WAVE_REACH (R(0.1) / ULP)
 #define WAVE_CLIP(x) clamp(x, (F)(-WAVE_REACH), (F)WAVE_REACH)
 
-#define TWO_OVER_PI R(0.63661977236758134308)
-
-// Quarter turns from `offset` to the ends, widened by the rounding of x * 2/pi.
-#define TURNS_LO(x, offset) fma(x, (F)(R(0.25) * TWO_OVER_PI), (F)(offset)) - fma(fabs(x), (F)(R(2.0) * ULP), (F)(R(2.0) * ULP))
-#define TURNS_HI(x, offset) fma(x, (F)(R(0.25) * TWO_OVER_PI), (F)(offset)) + fma(fabs(x), (F)(R(2.0) * ULP), (F)(R(2.0) * ULP))
+// Turns from `offset` to the ends, widened by the rounding of x / (2 pi): an ulp and a half of that in all. What rounding the offset adds
+// is at most an ulp of a turn: missing an extreme by that changes the value by its square only, and at poles the ends have the wrong order.
+#define TURN R(0.15915494309189533577)
+#define TURNS_ERROR (R(0.25) * ULP)
+#define TURNS_LO(x, offset) fma(x, (F)TURN, (F)(offset)) - fabs(x) * (F)TURNS_ERROR
+#define TURNS_HI(x, offset) fma(x, (F)TURN, (F)(offset)) + fabs(x) * (F)TURNS_ERROR
 
 // Whether a point with x / (2 pi) + offset an integer lies in [lo, hi]; true also for unbounded and huge arguments.
 static inline I ia_meets(IA a, real offset) {
@@ -22,8 +23,8 @@ static inline I ia_meets(IA a, real offset) {
 }
 
 static inline IA ia_wave(F at_lo, F at_hi, I peak, I trough) {
-  const F lo = SELECT(trough, (F)-1, max(LOWER(min(at_lo, at_hi), R(5.0)), (F)-1));
-  const F hi = SELECT(peak, (F)1, min(UPPER(max(at_lo, at_hi), R(5.0)), (F)1));
+  const F lo = SELECT(trough, (F)-1, max(LOWER(min(at_lo, at_hi), R(4.0)), (F)-1));
+  const F hi = SELECT(peak, (F)1, min(UPPER(max(at_lo, at_hi), R(4.0)), (F)1));
   return ia(lo, hi);
 }
 
@@ -37,7 +38,7 @@ static inline IA ia_tan(IA a, I* undefined, I* rough) {
   const I pole = ia_meets(a, R(-0.25)) | ia_meets(a, R(0.25)) | ~LE(l, h);
   *undefined = NONE;
   *rough = pole;
-  return ia(SELECT(pole, -INF, LOWER(l, R(6.0))), SELECT(pole, INF, UPPER(h, R(6.0))));
+  return ia(SELECT(pole, -INF, LOWER(l, R(5.0))), SELECT(pole, INF, UPPER(h, R(5.0))));
 }
 
 #define OUTSIDE_UNIT(a) (LT((a).hi, (F)-1) | GT((a).lo, (F)1))
@@ -47,24 +48,24 @@ static inline IA ia_tan(IA a, I* undefined, I* rough) {
 static inline IA ia_asin(IA a, I* undefined, I* rough) {
   *undefined = OUTSIDE_UNIT(a);
   *rough = BEYOND_UNIT(a);
-  return ia(max(LOWER(asin(UNIT_CLIP(a.lo)), R(5.0)), (F)(R(-0.5) * PI_HI)), min(UPPER(asin(UNIT_CLIP(a.hi)), R(5.0)), (F)(R(0.5) * PI_HI)));
+  return ia(max(LOWER(asin(UNIT_CLIP(a.lo)), R(4.0)), (F)(R(-0.5) * PI_HI)), min(UPPER(asin(UNIT_CLIP(a.hi)), R(4.0)), (F)(R(0.5) * PI_HI)));
 }
 
 static inline IA ia_acos(IA a, I* undefined, I* rough) {
   *undefined = OUTSIDE_UNIT(a);
   *rough = BEYOND_UNIT(a);
-  return ia(max(LOWER(acos(UNIT_CLIP(a.hi)), R(5.0)), (F)0), min(UPPER(acos(UNIT_CLIP(a.lo)), R(5.0)), (F)PI_HI));
+  return ia(max(LOWER(acos(UNIT_CLIP(a.hi)), R(4.0)), (F)0), min(UPPER(acos(UNIT_CLIP(a.lo)), R(4.0)), (F)PI_HI));
 }
 
 static inline IA ia_atan(IA a) {
-  return ia(max(LOWER(atan(a.lo), R(6.0)), (F)(R(-0.5) * PI_HI)), min(UPPER(atan(a.hi), R(6.0)), (F)(R(0.5) * PI_HI)));
+  return ia(max(LOWER(atan(a.lo), R(5.0)), (F)(R(-0.5) * PI_HI)), min(UPPER(atan(a.hi), R(5.0)), (F)(R(0.5) * PI_HI)));
 }
 
 // On a box that avoids the cut (y = 0, x <= 0) the extremes are at corners; on the cut the angle jumps by a full turn.
 static inline IA ia_atan2(IA y, IA x, I* undefined, I* rough) {
   const I cut = LE(y.lo, (F)TINY) & GE(y.hi, (F)-TINY) & LE(x.lo, (F)TINY);
   const F p = atan2(y.lo, x.lo), q = atan2(y.lo, x.hi), r = atan2(y.hi, x.lo), s = atan2(y.hi, x.hi);
-  const F lo = LOWER(min(min(p, q), min(r, s)), R(7.0)), hi = UPPER(max(max(p, q), max(r, s)), R(7.0));
+  const F lo = LOWER(min(min(p, q), min(r, s)), R(6.0)), hi = UPPER(max(max(p, q), max(r, s)), R(6.0));
   *undefined = EQ(y.lo, (F)0) & EQ(y.hi, (F)0) & EQ(x.lo, (F)0) & EQ(x.hi, (F)0);
   *rough = cut;
   return ia(SELECT(cut, (F)-PI_HI, max(lo, (F)-PI_HI)), SELECT(cut, (F)PI_HI, min(hi, (F)PI_HI)));

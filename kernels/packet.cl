@@ -42,16 +42,18 @@
 #endif
 #define INF ((F)INFINITY)
 
-// Outward rounding by multiplication: the computed v lies within k ulp of the exact value, one ulp of the pad itself
-// included, so LOWER(v, k) is below it and UPPER(v, k) above. `nextafter` would compile four times slower.
+// Outward rounding by multiplication: where the computed v lies within n ulp of the exact value, n a multiple of a half, LOWER(v, n) is
+// below it and UPPER(v, n) above. The pad is more than n ulp by PAD_SLACK, so that v and pad, n steps of the grid apart or half
+// a step more, are not rounded back. Errors that are no such multiple take n half an ulp larger. `nextafter` would compile four times slower.
 #if IRT_OUTWARD
-#define LOWER(v, k) ((v) - fma(fabs(v), (F)((k) * ULP), (F)TINY))
-#define UPPER(v, k) ((v) + fma(fabs(v), (F)((k) * ULP), (F)TINY))
+#define PAD_SLACK R(0.01)
+#define LOWER(v, n) ((v) - fma(fabs(v), (F)(((n) + PAD_SLACK) * ULP), (F)TINY))
+#define UPPER(v, n) ((v) + fma(fabs(v), (F)(((n) + PAD_SLACK) * ULP), (F)TINY))
 #else
-#define LOWER(v, k) (v)
-#define UPPER(v, k) (v)
+#define LOWER(v, n) (v)
+#define UPPER(v, n) (v)
 #endif
-#define EXACT_K R(1.5)  // pad of correctly rounded operations: + - * fma, half an ulp and the pad's own rounding
+#define EXACT R(0.5)  // ulp by which correctly rounded operations err: + - * fma
 
 // Where values can become infinite (IRT_INFINITE): a lower end is never +inf and an upper end never -inf, so that no
 // sum is inf - inf; and the 0 * inf of a product, which min and max would drop at random, becomes the whole line.

@@ -7,10 +7,12 @@ typedef struct {
   F value, slope, rest;  // p lies within `rest` of value + slope d
 } TAYLOR;
 
-// t: the n + 1 coefficients, lowest first; they become the t_k by repeated synthetic division.
+// r may be rounded down once. t: the n + 1 coefficients, lowest first; they become the t_k by repeated synthetic division.
 static inline TAYLOR taylor_form(F* t, const int n, F c, F r) {
 #if IRT_OUTWARD
-  // Every term goes through 2 n roundings at most and its coefficient through one; `size` bounds their sum over the range.
+  // `size` bounds the sum of all terms over the range. A coefficient errs by an ulp; every term goes through n + 1 roundings in the division
+  // and three where the value is lifted and the form is used. Terms of the rest go through n + 6 more, with n / 2 ulp for r.
+  const real pad = (R(0.5) * n + R(3.01)) * ULP;
   const F reach = fabs(c) + r;
   F size = fabs(t[n]);
   for (int k = n - 1; k >= 0; --k) size = fma(size, reach, fabs(t[k]));
@@ -25,16 +27,16 @@ static inline TAYLOR taylor_form(F* t, const int n, F c, F r) {
   p.slope = t[1];
   p.rest = fma(high, square * r, fabs(lift));
 #if IRT_OUTWARD
-  p.rest = fma((F)((real)(n + 3) * ULP), size, p.rest * (R(1.0) + (real)(n + 8) * ULP)) + (F)TINY;
+  p.rest = fma((F)pad, size, p.rest * (R(1.0) + R(2.0) * pad)) + (F)TINY;
 #endif
   return p;
 }
 
 #define IA_MIDDLE(a) (R(0.5) * (a).lo + R(0.5) * (a).hi)
-#define IA_RADIUS(a) (max((a).hi - IA_MIDDLE(a), IA_MIDDLE(a) - (a).lo) * (R(1.0) + R(2.0) * ULP))
+#define IA_RADIUS(a) max((a).hi - IA_MIDDLE(a), IA_MIDDLE(a) - (a).lo)
 #define IA_POLYNOMIAL(a, taylor) ia_polynomial(taylor(IA_MIDDLE(a), IA_RADIUS(a)), IA_RADIUS(a))
 
 static inline IA ia_polynomial(TAYLOR p, F r) {
-  const F spread = fma(fabs(p.slope), r, p.rest) * (R(1.0) + R(2.0) * ULP);
-  return IA_OUT(NAN_TO(p.value - spread, -INF), NAN_TO(p.value + spread, INF), EXACT_K);
+  const F spread = fma(fabs(p.slope), r, p.rest);
+  return ia(CAP_LOWER(NAN_TO(p.value - spread, -INF)), CAP_UPPER(NAN_TO(p.value + spread, INF)));
 }

@@ -195,7 +195,7 @@ class AffineEmitter {
       return fmt::format("ra_mul(ra_from_range(ia((F){}, (F){})), {})", literal(b.lo), literal(b.hi), form(a));
     }
     const bool known = exact.lo == c && exact.hi == c;
-    const std::string scaled = fmt::format("ra_scale({}, {}, {})", form(a), literal(std::fabs(c)), known ? "R(1.5)" : "R(2.5)");
+    const std::string scaled = fmt::format("ra_scale({}, {}, {})", form(a), literal(std::fabs(c)), known ? "R(0.0)" : "R(1.0)");
     return c < 0 ? fmt::format("ra_neg({})", scaled) : scaled;
   }
 

@@ -42,7 +42,7 @@ std::string interval_rule(const Program& program, Value v, const std::string& a,
         const auto& exact = program[in.a].value;
         const bool known = exact.lo == c && exact.hi == c;
         const std::string scaled =
-            fmt::format("ia_scale({}, {}, {})", b, literal(std::fabs(c)), known ? "EXACT_K" : "R(2.5)");
+            fmt::format("ia_scale({}, {}, {})", b, literal(std::fabs(c)), known ? "EXACT" : "R(2.0)");
         return c < 0 ? fmt::format("ia_neg({})", scaled) : scaled;
       } else {
         const bool both = program[in.a].nonnegative && program[in.b].nonnegative;
@@ -52,7 +52,7 @@ std::string interval_rule(const Program& program, Value v, const std::string& a,
     case Code::Power: {
       powers.insert(in.index);
       const char* rule = in.index % 2 == 0 ? "IA_POWER_EVEN" : "IA_POWER_ODD";
-      return fmt::format("{}({}, power_{}, {})", rule, a, in.index, literal(0.5 * static_cast<double>(in.index) + 1));
+      return fmt::format("{}({}, power_{}, {})", rule, a, in.index, literal(0.5 * static_cast<double>(in.index)));
     }
     case Code::Polynomial: return fmt::format("IA_POLYNOMIAL({}, taylor_{})", a, in.index);
     default: return fill(std::string(op.interval) + (op.arity == 2 ? "($a, $b)" : "($a)"), a, b, "", name(v));
