@@ -14,7 +14,8 @@
 // HIT needs its bracket inside.
 //
 // With IRT_OUTWARD f is evaluated at one place only, so that the driver compiles it once. Lanes at candidates wait until no lane marches;
-// then all of them open windows, cut, and prove together.
+// then all of them open windows, cut, and prove together. Where all roundings of f together have a bound (IRT_SLACK), lanes first march by
+// arithmetic without pads as far as that bound leaves no doubt.
 #define MARGIN R(0.25)  // of a piece, beyond its end
 // From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
 // thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
@@ -28,6 +29,10 @@
 #if IRT_ALONG
 #define EARLY 2  // windows are opened at pieces of 2^EARLY times eps
 #define AHEAD 2  // and are 2^AHEAD pieces long
+#endif
+#if IRT_SLACK
+#define COARSE R(8.0)   // where a COARSEth of the radius is less than the bound of all roundings, pads are tighter
+#define SHORT ((I)64)   // units: so much the coordinates without pads may be off, and more
 #endif
 
 #define LOWEST_BIT(v) ((v) & -(v))
@@ -70,6 +75,28 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #endif
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
+#if IRT_SLACK
+    // Most pieces hold a zero or none by far, and neither takes a proof of each rounding. Lanes in doubt wait for the others.
+    I doubtful = NONE;
+    F side = SELECT(above, (F)1, SELECT(below, (F)-1, (F)0));
+    const I brink = max(halt, SHORT);
+    for (; pieces < max_pieces && ANY(marching); ++pieces) {
+      COUNT(marching)
+      const F start = TO_F(position);
+      const BARE f = enclose_bare(&path, start, start + TO_F(step) PARAMETERS_PASS);
+      const I excluded = GT(f.off, f.slack), skips = marching & excluded, stays = marching & ~excluded;
+      const I doubts = stays & (LE(step, brink) | GT(COARSE * f.slack, f.radius)), next = position + step;
+      doubtful |= doubts;
+      side = SELECT(skips, f.side, side);
+      step = SELECT(skips, min(LOWEST_BIT(next), step << 1), SELECT(stays & ~doubts, step >> 1, step));
+      position = SELECT(skips, next, position);
+      marching &= ~doubts & LT(position, PATH_END);
+    }
+    above = GT(side, (F)0);
+    below = LT(side, (F)0);
+    active &= LT(position, PATH_END);
+    marching |= doubtful;
+#endif
     COUNT(active)
     const F from = TO_F(position), end = from + TO_F(step);
     F a = from, b = end;
@@ -149,7 +176,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
       newton_cut(&window, a, f, steady);
       const I gone = steady & GT(window.lo, window.hi), pinned = steady & ~gone & GE(window.lo, path.in0) & LE(window.hi, path.in1);
       const I found = pinned & window.below & window.above & LE(window.hi - window.lo, wanted);
-      const I stuck = steady & ~gone & ~found & GT(window.hi - window.lo, R(0.75) * width);
+      const I stuck = steady & ~gone & ~found & GE(window.hi - window.lo, R(0.75) * width);
       near = SELECT(found, window.lo, near);
       far = SELECT(found, window.hi, far);
       // Where the march goes on, and the sign of f there, if it is known.

@@ -39,3 +39,12 @@ static inline IA slope(const PATH* path, F from, F to PARAMETERS, I* undefined, 
                    PARAMETERS_PASS, undefined, rough);
 }
 #endif
+
+#if IRT_SLACK
+// The same without pads.
+static inline BARE enclose_bare(const PATH* path, F from, F to PARAMETERS) {
+  const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
+  return bare(bare_ra(fma(middle, path->ux, path->ox), span * path->ux, path->bx), bare_ra(fma(middle, path->uy, path->oy), span * path->uy, path->by),
+              bare_ra(fma(middle, path->uz, path->oz), span * path->uz, path->bz) PARAMETERS_PASS);
+}
+#endif

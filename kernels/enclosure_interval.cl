@@ -37,3 +37,14 @@ static inline IA slope(const PATH* path, F from, F to PARAMETERS, I* undefined, 
                    PARAMETERS_PASS, undefined, rough);
 }
 #endif
+
+#if IRT_SLACK
+static inline bare_IA bare_coordinate(F at_from, F at_to, F e) { return bare_ia(min(at_from, at_to) - e, max(at_from, at_to) + e); }
+
+// f without pads.
+static inline BARE enclose_bare(const PATH* path, F from, F to PARAMETERS) {
+  return bare(bare_coordinate(fma(from, path->ux, path->ox), fma(to, path->ux, path->ox), path->bx),
+              bare_coordinate(fma(from, path->uy, path->oy), fma(to, path->uy, path->oy), path->by),
+              bare_coordinate(fma(from, path->uz, path->oz), fma(to, path->uz, path->oz), path->bz) PARAMETERS_PASS);
+}
+#endif

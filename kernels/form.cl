@@ -29,3 +29,49 @@ static inline F form_middle(FORM f) { return f.x; }
 // The signs at the ends of the piece are opposite: at e = -1 and 1 the form is x - y and x + y, to within z.
 static inline I crosses(FORM f) { return GT(CERTAIN(fabs(f.y)), fabs(f.x) + f.z); }
 #endif
+
+#if IRT_SLACK
+// Enclosures without pads, by the functions of assemble.cpp whose names begin with bare_.
+#if IRT_AFFINE
+typedef bare_RA BARE_COORDINATE;
+static inline F size_of(bare_RA a) { return fabs(a.x) + bare_ra_rad(a); }
+#define BARE_FORMULA bare_irt_affine
+#else
+typedef bare_IA BARE_COORDINATE;
+static inline F size_of(bare_IA a) { return max(-a.lo, a.hi); }
+#define BARE_FORMULA bare_irt_interval
+#endif
+
+typedef struct {
+  bare_FORM form;
+  F off;     // how far from zero it ends; below zero where it holds it
+  F radius;  // half its width
+  F side;    // its sign, where it has one
+  F slack;   // how far rounding may have moved its ends
+} BARE;
+
+static inline BARE bare(BARE_COORDINATE x, BARE_COORDINATE y, BARE_COORDINATE z PARAMETERS) {
+  BARE r;
+  I undefined, rough;  // neither, or there would be no slack
+  r.form = BARE_FORMULA(x, y, z PARAMETERS_PASS, &undefined, &rough);
+  r.slack = irt_slack(size_of(x), size_of(y), size_of(z) PARAMETERS_PASS);
+#if FORM_IS_RANGE
+  r.off = max(r.form.lo, -r.form.hi);
+  r.radius = R(0.5) * (r.form.hi - r.form.lo);
+  r.side = r.form.lo;
+#else
+  r.radius = bare_ra_rad(r.form);
+  r.off = fabs(r.form.x) - r.radius;
+  r.side = r.form.x;
+#endif
+  return r;
+}
+
+static inline IA bare_range(BARE f) {
+#if FORM_IS_RANGE
+  return ia(f.form.lo - f.slack, f.form.hi + f.slack);
+#else
+  return ia(f.form.x - (f.radius + f.slack), f.form.x + (f.radius + f.slack));
+#endif
+}
+#endif

@@ -12,7 +12,25 @@
 #else
 #define MASK(c) (c)
 #define SELECT(m, a, b) select(b, a, m)
-#define ANY(m) any(m)
+#define ANY(m) any_lane(m)
+#endif
+
+#if W > 1
+// Of masks. Quarters and halves are joined; PoCL makes forty instructions and eight branches of `any`.
+static inline int any_lane(I m) {
+#if W == 16
+#define FOUR(m) ((m.lo.lo | m.lo.hi) | (m.hi.lo | m.hi.hi))
+#elif W == 8
+#define FOUR(m) (m.lo | m.hi)
+#else
+#define FOUR(m) (m)
+#endif
+#if W == 2
+  return (m.x | m.y) != 0;
+#else
+  return ((FOUR(m).x | FOUR(m).y) | (FOUR(m).z | FOUR(m).w)) != 0;
+#endif
+}
 #endif
 
 #define LT(a, b) MASK((a) < (b))

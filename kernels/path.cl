@@ -18,6 +18,9 @@ typedef struct {
   F lox, loy, loz, lux, luy, luz;  // what rounding o and u to F left over
 #endif
   F ex, ey, ez;  // and its error
+#if IRT_SLACK
+  F bx, by, bz;  // and the error without lo and lu, rounding of a piece's slope included
+#endif
 #if IRT_BEAMS
   F gx, gy, gz;  // which grows so much with each unit
 #endif
@@ -47,6 +50,13 @@ typedef struct {
   }
 #endif
 
+// What the left-overs may add. The error has room for the rounding of a coordinate and of a slope, which here takes the place of that of two sums.
+#if IRT_SPLIT
+#define PATH_BARE(axis) path.b##axis = path.e##axis + (R(1.0) + R(4.0) * ULP) * fma(TO_F(PATH_END), fabs(path.lu##axis), fabs(path.lo##axis));
+#else
+#define PATH_BARE(axis) path.b##axis = path.e##axis + (F)(R(2.0) * ULP) * (F)RADIUS * fabs(ray->d##axis);
+#endif
+
 #if IRT_BEAMS
 #define PATH_SPREAD(axis) \
   path.g##axis = path.unit * ray->w##axis * (R(1.0) + R(4.0) * ULP); \
@@ -64,6 +74,11 @@ static inline PATH make_path(const RAY* ray, const RANGE* range, __global const 
   PATH_AXIS(x, 0)
   PATH_AXIS(y, 1)
   PATH_AXIS(z, 2)
+#if IRT_SLACK
+  PATH_BARE(x)
+  PATH_BARE(y)
+  PATH_BARE(z)
+#endif
 #if IRT_BEAMS
   const F reach = (F)(R(4.0) * ULP) * (fabs(NARROW(ray->tau)) + (F)RADIUS);
   PATH_SPREAD(x)

@@ -76,6 +76,7 @@ render::Options options_of(const py::dict& request, const program::Program& prog
   if (request.contains("defines")) o.defines = get<std::vector<std::string>>(request, "defines");
   if (request.contains("steps")) o.steps = get<int>(request, "steps");
   o.outward = get<std::string>(request, "rounding") == "outward";
+  if (request.contains("bare")) o.bare = get<bool>(request, "bare");
   const auto precision = get<std::string>(request, "precision");
   o.precision = precision == "single"   ? render::PrecisionMode::Single
                 : precision == "double" ? render::PrecisionMode::Double

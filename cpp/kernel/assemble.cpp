@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 #include <string_view>
 #include <vector>
 
@@ -104,12 +105,20 @@ constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "int
 
 std::string included(const std::string& name) { return fmt::format("\n// ---- {}\n", name) + library_file(name); }
 
+// The same definitions once more without pads, under names that begin with bare_.
+std::string without_pads(const std::string& text) {
+  static const std::regex names(R"(\b(IA|RA|ia|ra|irt|FORM|LOWER|UPPER)(_\w+)?\b)");
+  return "\n// ---- the same without pads\n#undef IRT_OUTWARD\n#define IRT_OUTWARD 0\n#define bare_LOWER(v, k) (v)\n#define bare_UPPER(v, k) (v)\n" +
+         std::regex_replace(text, names, "bare_$&") + "#undef IRT_OUTWARD\n#define IRT_OUTWARD 1\n";
+}
+
 // The formula as an enclosure, with the arithmetic that it needs; and its derivative along the ray.
 std::string enclosures(const program::Program& program, const Spec& spec) {
   const auto emit = [&](const program::Program& p) {
     return spec.affine ? program::emit_affine(p, spec.precision, spec.infinite) : program::emit_interval(p, spec.precision);
   };
   program::Emitted f = emit(program);
+  const std::string formula = f.source;
   if (spec.along) {
     program::Emitted d = emit(program::along(program).value());
     f.files.merge(d.files);
@@ -130,7 +139,13 @@ std::string enclosures(const program::Program& program, const Spec& spec) {
   const bool range = !spec.affine || f.range_result;
   text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0);
   for (const std::string& function : f.functions) text += function;
-  return text + f.source;
+  const std::string slack = spec.slack ? program::emit_slack(program, spec.precision, spec.affine) : "";
+  text += fmt::format("#define IRT_SLACK {}\n", slack.empty() ? 0 : 1) + f.source;
+  if (slack.empty()) return text;
+  std::string bare;
+  for (const char* name : {"interval.cl", "affine.cl"})  // the operators that have a slack are there
+    if (f.files.count(name)) bare += library_file(name);
+  return text + slack + without_pads(bare + fmt::format("typedef {} FORM;\n", range ? "IA" : "RA") + formula);
 }
 
 std::string values(const program::Program& program, const Spec& spec) { return "\n" + program::emit_value(program, spec.precision).source; }
@@ -150,7 +165,7 @@ struct Reader {
 
 const Reader kReaders[] = {
     {"enclosures", enclosures, [](const Spec& s) -> std::vector<std::string> {
-       std::vector<std::string> files{"path.cl", s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl", "form.cl"};
+       std::vector<std::string> files{"path.cl", "form.cl", s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl"};
        if (s.along) files.push_back("isolate.cl");
        return files;
      }},
@@ -181,6 +196,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
   include("packet.cl");
   if (spec.entry == Entry::Enclose) {
     text += enclosures(program, spec);
+    if (spec.slack) include("form.cl");
     include("enclose.cl");
   } else if (spec.entry == Entry::Neighbours) {  // shading needs nothing but the gradient
     gradient(spec.normal || spec.rgb);

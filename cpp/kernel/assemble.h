@@ -48,6 +48,7 @@ struct Spec {
   bool pieces = false;   // counted, ray by ray
   bool beams = false;    // the camera's rays start where beams end; needs kernels/contract.cl
   bool along = false;    // with the derivative along the ray (program::along), by which roots are isolated
+  bool slack = false;    // with arithmetic without pads and a bound of its rounding, where there is one (program::emit_slack)
   // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.
   int degree = 0, tile = 0;
   bool previous = false;  // with the depths of the frame before

@@ -30,6 +30,11 @@ Emitted emit_interval(const Program& program, Precision precision);
 // is a range. `infinite`: values may leave the range of reals (program::magnitude), so that exponentials may lose their upper end.
 Emitted emit_affine(const Program& program, Precision precision, bool infinite);
 
+// static inline F irt_slack(F x, F y, F z PARAMETERS): from bounds of the coordinates' magnitudes, how far either enclosure lies from the
+// exact one if all its arithmetic is done without pads: each end of an interval, or x, y and z of a form together. Holds where nothing
+// overflows. Empty for programs with operators whose rounding has no bound of this kind, and for those with a region.
+std::string emit_slack(const Program& program, Precision precision, bool affine);
+
 // static inline F irt_value(F x, F y, F z PARAMETERS); and irt_region, the same for the clip formula, in programs with one.
 Emitted emit_value(const Program& program, Precision precision);
 

@@ -94,6 +94,7 @@ struct Options {
   std::vector<std::string> defines;  // macros that its file tests
   int steps = 0;                     // of root finders that sample
   bool outward = true;
+  bool bare = false;  // enclose_pieces by arithmetic without pads, widened by the bound of its rounding, where there is one
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;
   std::vector<double> parameters;  // one for each of Program::inputs()

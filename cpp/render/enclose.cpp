@@ -35,6 +35,7 @@ std::vector<std::array<double, 2>> enclose_pieces(const program::Program& progra
     if (!derivative) throw MethodError("no rule gives the derivative of a power so near to 1");
     spec.infinite = spec.infinite || needs_infinities(*derivative, largest, options, precision);
   }
+  spec.slack = options.bare && options.outward && !spec.infinite && !spec.along;
   const std::size_t stride = (pieces.size() + spec.width - 1) / spec.width * spec.width;
   Reals coordinates(precision, (spec.along ? 18 : 9) * stride), lower(precision, stride), upper(precision, stride);
   for (std::size_t i = 0; i < stride; ++i)

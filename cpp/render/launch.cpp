@@ -138,6 +138,8 @@ void set_enclosures(kernel::Spec& spec, const program::Program& program, const B
     spec.infinite = spec.infinite || (derivative && needs_infinities(*derivative, coordinates, options, spec.precision));
     return;
   }
+  // Bisection marches without pads where nothing overflows.
+  spec.slack = options.outward && options.finder == "bisection" && !spec.infinite;
   // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
   // where a clip formula is to be proven along with each bracket.
   if (options.affine || !options.outward || options.finder != "bisection" || program.has_region()) return;
