@@ -79,14 +79,17 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     // Most pieces hold a zero or none by far, and neither takes a proof of each rounding. Lanes in doubt wait for the others.
     I doubtful = NONE;
     F side = SELECT(above, (F)1, SELECT(below, (F)-1, (F)0));
-    const I brink = max(halt, SHORT);
     for (; pieces < max_pieces && ANY(marching); ++pieces) {
       COUNT(marching)
       const F start = TO_F(position);
       const BARE f = enclose_bare(&path, start, start + TO_F(step) PARAMETERS_PASS);
       const I excluded = GT(f.off, f.slack), skips = marching & excluded, stays = marching & ~excluded;
-      const I doubts = stays & (LE(step, brink) | GT(COARSE * f.slack, f.radius)), next = position + step;
+      const I next = position + step, unsure = stays & (LT(step, SHORT) | GT(COARSE * f.slack, f.radius)), doubts = unsure | (stays & LE(step, halt));
+#if IRT_ALONG
+      doubtful |= unsure;  // a window, not this piece, is what the others are to be asked
+#else
       doubtful |= doubts;
+#endif
       side = SELECT(skips, f.side, side);
       step = SELECT(skips, min(LOWEST_BIT(next), step << 1), SELECT(stays & ~doubts, step >> 1, step));
       position = SELECT(skips, next, position);

@@ -24,6 +24,10 @@ def _formula(rng: np.random.Generator, rules: tuple[str, ...]) -> str:
     return f"{parts[-1]} + {parts[-2]}"
 
 
+def _exactly(v: float) -> str:
+    return "({}/{})".format(*v.as_integer_ratio())
+
+
 def _contain(ranges: np.ndarray, f: irt.Expr, points: np.ndarray) -> bool:
     known = _core.values(f._node, points.reshape(-1, 3)).reshape(*points.shape[:-1], 2)
     return bool(((ranges[:, :1] <= known[..., 0]) & (known[..., 1] <= ranges[:, 1:])).all())
@@ -41,8 +45,7 @@ def test_rounding_stays_within_its_bound(monkeypatch: pytest.MonkeyPatch, device
     tried = 0
     for text in texts:
         f = irt.parse(text)
-        numbers = {name: "({}/{})".format(*value.as_integer_ratio()) for name, value in (("p", p), ("q", q))}
-        exact = irt.parse(re.sub(r"\b[pq]\b", lambda m: numbers[m[0]], text))
+        exact = irt.parse(re.sub(r"\bp\b", _exactly(p), re.sub(r"\bq\b", _exactly(q), text)))
         params = {"p": p, "q": q} if "*p + q" in text else {}
         given = {"params": params, "algebra": algebra, "precision": precision, "device": device}
         source = irt.kernel_source(f, algebra, precision=precision, bounds=3, params=params)
