@@ -1,13 +1,16 @@
-"""What statuses are worth: every named surface and 200 seeded formulas, each way, eps 1e-2 to 1e-6, against irt.reference.
+"""What statuses are worth: every named surface and 200 seeded formulas, every method that guarantees inclusion, eps 1e-2 to 1e-6, against
+irt.reference.
 
-    python benchmarks/statuses.py [--formulas 200] [--size 48] [--first 0]
+    python benchmarks/statuses.py [--formulas 200] [--size 48] [--first 0] [--seconds 200] [--state out/statuses.jsonl] [--only surface]
 
-Stops at the first status that lies. Prints how many simple roots were HIT, and how much stayed open.
+What is done is written down in `state`, one line each, and not done again: with --seconds it stops after about so long, and the next call
+goes on. Once all is there it prints how many simple roots were HIT, how much stayed open, and every status that lied; then it exits with 1.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 from pathlib import Path
@@ -23,77 +26,122 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "pytho
 from formulas import check, formula
 
 WIDTHS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-METHODS = ("ia", "raa", "contract", irt.Mitchell("ia"), irt.Mitchell("raa"))
+FRUSTUM = tuple(n for n in irt.methods() if n.startswith("frustum"))  # take frames of polynomials only
+TRACING = (
+    *(n for n, m in irt.methods().items() if m.guarantee == "inclusion" and n not in ("auto", "mitchell", *FRUSTUM)),
+    irt.Mitchell("ia"),
+    irt.Mitchell("raa"),
+)
+METHODS = (*TRACING, *FRUSTUM)
 
 
-def surface(name: str, size: int) -> list[object]:
-    """A row for one named surface; asserts that no status lies."""
+def lies(truth: Any, status: np.ndarray, t: np.ndarray, uncertainty: np.ndarray) -> dict[str, int]:
+    """How many statuses contradict the reference, by how."""
+    proven = status == Status.HIT
+    with np.errstate(invalid="ignore"):
+        low, high = t - uncertainty, t + uncertainty
+        apart = (truth.bracket[..., 1] < low) | (truth.bracket[..., 0] > high)
+        early = (truth.kind == Status.UNRESOLVED) & (high < truth.bracket[..., 0])
+    return {
+        "wrong MISS": int((truth.hit & (status == Status.MISS)).sum()),
+        "wrong HIT": int(((truth.kind == Status.MISS) & proven).sum()),
+        "bracket without its root": int((proven & truth.hit & apart).sum()),
+        "HIT before any zero": int((proven & early).sum()),
+    }
+
+
+def surface(name: str, size: int) -> dict[str, Any]:
+    """What each method makes of one named surface."""
     s = irt.surfaces[name]
-    o, d = (a.reshape(-1, 3) for a in s.camera.framed(s.bounds).rays((size, size)))
-    truth = irt.reference(s, o, d, bounds=s.bounds)
-    misses = np.pad((truth.kind == Status.MISS).reshape(size, size), 1, mode="edge")
+    truth = irt.reference(s, size=(size, size))
+    misses = np.pad(truth.kind == Status.MISS, 1, mode="edge")
     near = np.stack([misses[i : i + size, j : j + size] for i in range(3) for j in range(3)])
-    away = (near.all(0) | ~near.any(0)).ravel()
-    row: list[object] = [name, int((truth.kind == Status.HIT).sum()), int((truth.kind == Status.UNRESOLVED).sum())]
+    simple = (truth.kind == Status.HIT) & (near.all(0) | ~near.any(0))
+    out: dict[str, Any] = {"simple": int(simple.sum()), "undecided": int((truth.kind == Status.UNRESOLVED).sum()), "methods": {}, "lies": []}
     for method in METHODS:
+        rows = []
         for eps in WIDTHS:
-            hits = irt.trace(s, o, d, bounds=s.bounds, method=method, eps=eps)
-            proven = hits.status == Status.HIT
-            with np.errstate(invalid="ignore"):
-                apart = (truth.bracket[:, 1] < hits.t - hits.uncertainty) | (
-                    truth.bracket[:, 0] > hits.t + hits.uncertainty
-                )
-            assert not (truth.hit & (hits.status == Status.MISS)).any(), f"wrong MISS: {name}, {method}, {eps}"
-            assert not ((truth.kind == Status.MISS) & proven).any(), f"wrong HIT: {name}, {method}, {eps}"
-            assert not (proven & truth.hit & apart).any(), f"bracket without its root: {name}, {method}, {eps}"
-            if eps == 1e-4:
-                simple = (truth.kind == Status.HIT) & away
-                share = (simple & proven).sum() / max(simple.sum(), 1)
-                row += [f"{share:.4f}", f"{(hits.status == Status.UNRESOLVED).mean():.4f}"]
-    return row
+            try:
+                frame = irt.render(s, size=(size, size), method=method, eps=eps, outputs=())
+            except irt.MethodError:
+                break
+            for what, count in lies(truth, frame.status, frame.depth, frame.uncertainty).items():
+                if count:
+                    out["lies"].append(f"{name}, {method}, eps {eps:g}: {count} times {what}")
+            proven = frame.status == Status.HIT
+            rows.append([eps, int((simple & proven).sum()), int((frame.status == Status.UNRESOLVED).sum())])
+        if rows:
+            out["methods"][str(method)] = rows
+    return out
+
+
+def seeded(seed: int) -> dict[str, Any]:
+    """What each method makes of rays through one random formula."""
+    try:
+        counts = check(formula(seed), 400, seed, TRACING, WIDTHS)
+    except AssertionError as lie:
+        return {"lies": [str(lie)], "counts": []}
+    return {"lies": [], "counts": [[str(method), eps, c] for (method, eps), c in counts.items()]}
+
+
+def report(surfaces: dict[str, Any], formulas: dict[str, Any], size: int) -> int:
+    """Prints the tables; how many statuses lied."""
+    rows = []
+    for name, s in surfaces.items():
+        row: list[object] = [name, s["simple"], s["undecided"]]
+        for method in METHODS:
+            found = s["methods"].get(str(method))
+            hits = {eps: n for eps, n, _ in found} if found else {}
+            row += [f"{hits[1e-4] / max(s['simple'], 1):.4f} {max(u for *_, u in found) / size**2:.4f}" if found else ""]
+        rows.append(row)
+    print("Share of simple roots off silhouettes that are HIT at eps 1e-4, and the most UNRESOLVED at any eps:\n")
+    print(table(["surface", "simple roots", "undecided", *map(str, METHODS)], rows), flush=True)
+    sums: dict[tuple[str, float], dict[str, int]] = {}
+    with_hits = 0
+    for f in formulas.values():
+        with_hits += any(c["simple"] for *_, c in f["counts"])
+        for method, eps, c in f["counts"]:
+            total = sums.setdefault((method, eps), {})
+            for what, n in c.items():
+                total[what] = total.get(what, 0) + n
+    print(f"\n{len(formulas)} formulas, {with_hits} of them with hits\n")
+    head = ["method", "eps", "rays", "simple roots", "of them HIT", "UNRESOLVED", "undecided by the reference"]
+    print(table(head, [[m, f"{e:g}", c["rays"], c["simple"], f"{c['hits'] / c['simple']:.4f}", c["unresolved"], c["undecided"]] for (m, e), c in sums.items()]))
+    lied = [lie for part in (surfaces, formulas) for one in part.values() for lie in one["lies"]]
+    print("\nno status lied" if not lied else "\n" + "\n".join(lied))
+    return len(lied)
 
 
 def main() -> None:
-    """Prints both tables."""
+    """Does what is not done yet, and reports."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--formulas", type=int, default=200)
     parser.add_argument("--size", type=int, default=48)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seconds", type=float, default=np.inf)
+    parser.add_argument("--state", type=Path, default=Path("out/statuses.jsonl"))
+    parser.add_argument("--only", choices=("surface", "seed"))
     options = parser.parse_args()
     started = time.perf_counter()
-    rows = [surface(name, options.size) for name in irt.surfaces]
-    print(
-        table(
-            [
-                "surface",
-                "simple roots",
-                "undecided",
-                *(text for m in METHODS for text in (f"{m}: HIT at 1e-4", "UNRESOLVED")),
-            ],
-            rows,
-        ),
-        flush=True,
-    )
-
-    sums: dict[tuple[Any, float], dict[str, int]] = {(m, e): {} for m in METHODS for e in WIDTHS}
-    with_hits = 0
-    for seed in range(options.first, options.first + options.formulas):
-        counts = check(formula(seed), 400, seed, METHODS, WIDTHS)
-        with_hits += next(iter(counts.values()))["simple"] > 0
-        for key, c in counts.items():
-            for what, n in c.items():
-                sums[key][what] = sums[key].get(what, 0) + n
-    rows = [
-        [m, f"{e:g}", c["rays"], c["simple"], f"{c['hits'] / c['simple']:.4f}", c["unresolved"], c["undecided"]]
-        for (m, e), c in sums.items()
-    ]
-    print(f"\n{options.formulas} formulas, {with_hits} of them with hits\n")
-    print(
-        table(
-            ["method", "eps", "rays", "simple roots", "of them HIT", "UNRESOLVED", "undecided by the reference"], rows
-        )
-    )
-    print(f"\nno status lied; {time.perf_counter() - started:.0f} s")
+    options.state.parent.mkdir(parents=True, exist_ok=True)
+    lines = options.state.read_text().splitlines() if options.state.exists() else []
+    done: dict[str, Any] = dict(json.loads(line) for line in lines)
+    seeds = range(options.first, options.first + options.formulas)
+    todo = [("surface", n, lambda n=n: surface(n, options.size)) for n in irt.surfaces] + [("seed", n, lambda n=n: seeded(n)) for n in seeds]
+    for kind, name, work in todo:
+        key = f"{kind} {name}"
+        if key in done or (options.only and kind != options.only):
+            continue
+        if time.perf_counter() - started > options.seconds:
+            print(f"{len(done)} of {len(todo)} done")
+            return
+        done[key] = work()
+        for lie in done[key]["lies"]:
+            print(lie, flush=True)
+        with options.state.open("a") as file:
+            file.write(json.dumps([key, done[key]]) + "\n")
+    picked = [{n: done[f"{kind} {n}"] for k, n, _ in todo if k == kind and f"{kind} {n}" in done} for kind in ("surface", "seed")]
+    sys.exit(report(picked[0], picked[1], options.size) > 0)
 
 
 if __name__ == "__main__":

@@ -424,7 +424,7 @@ def _nothing(found: list[Device], matching: list[Device], wanted: str) -> str:
     tried = "\n".join(f"  {d.driver} ({d.path}): {d.reason or 'works'}" for d in (matching or found))
     if wanted and not matching:
         return f"no OpenCL device matches '{wanted}'. Found:\n{tried}"
-    return f"no OpenCL driver works. Tried:\n{tried}\n{_INSTALL}"
+    return f"no OpenCL driver works. Tried:\n{tried}\n{_INSTALL}. To try these again, delete {_memory_file()}"
 
 
 def _prepare_cache(device: Device) -> None:

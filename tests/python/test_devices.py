@@ -6,10 +6,12 @@ import importlib
 import json
 import multiprocessing
 import os
+import resource
 import shutil
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -27,6 +29,10 @@ def _child(code: str, **env: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=300, env={**os.environ, **env}
     )
+
+
+def _resident() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def test_devices_are_listed() -> None:
@@ -54,6 +60,14 @@ def test_cached_programs_are_not_built_again_and_the_cache_is_bounded() -> None:
         _core.build_kernel(device, KERNEL % (100 + i), "k")
     _core.build_kernel(device, KERNEL % "1", "k")
     assert device.builds == before + 71
+    # Nor does what was forgotten stay in memory: of sources that no driver's cache on disk has, so that its compiler is loaded before.
+    fresh = [f"// {os.getpid()} {time.time_ns()}\n" + KERNEL % i for i in range(25)]
+    for source in fresh[:5]:
+        _core.build_kernel(device, source, "k")
+    resident = _resident()
+    for source in fresh[5:]:
+        _core.build_kernel(device, source, "k")
+    assert device.builds == before + 96 and _resident() - resident < 16 << 20
 
 
 def test_threads_build_at_once() -> None:

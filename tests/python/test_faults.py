@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
 import os
 import pickle
 import resource
+import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +22,9 @@ import pytest
 from PIL import Image
 
 import implicitrt as irt
+from implicitrt.devices import open_device
+
+module = importlib.import_module("implicitrt.devices")
 
 DRAW = "import implicitrt as irt; print(irt.render('x^2 + y^2 + z^2 - 1', size=(32, 32)).stats.counts['HIT'])"
 
@@ -101,10 +107,81 @@ def test_a_thousand_renders_leak_nothing_and_build_nothing() -> None:
     assert resident() - before < 8 << 20
 
 
+def test_four_threads_draw_what_one_draws() -> None:
+    calls = [
+        ("x^2 + y^2 + z^2 - 1", {"size": (64, 48)}), ("sin(3x) + y", {"size": (33, 21), "method": "ia"}),
+        ("x^4 + y^4 + z^4 - 1", {"size": (50, 40), "method": "raa"}), ("x^2 + y^2 - a z", {"size": (41, 31), "method": "contract", "params": {"a": 0.5}}),
+    ]  # fmt: skip
+    alone = [irt.render(f, **call) for f, call in calls]
+    together: dict[int, list[irt.Frame]] = {k: [] for k in range(4)}
+
+    def draw(k: int) -> None:
+        for _ in range(5):
+            together[k].append(irt.render(calls[k][0], **calls[k][1]))
+
+    threads = [threading.Thread(target=draw, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for k, frames in together.items():
+        assert len(frames) == 5
+        for frame in frames:
+            for name in ("rgb", "depth", "status", "uncertainty"):
+                assert np.array_equal(getattr(frame, name), getattr(alone[k], name), equal_nan=name in ("depth", "uncertainty"))
+
+
 def test_a_frame_too_large_is_refused() -> None:
-    with pytest.raises(irt.LimitError, match="pixels"):
-        irt.render("x", size=(1 << 14, 1 << 14))
+    for size in ((1 << 14, 1 << 14), (200_000, 200_000)):
+        with pytest.raises(irt.LimitError, match="pixels"):
+            irt.render("x", size=size)
     irt.render("x", size=(4, 4))
+
+
+def test_a_frame_too_large_for_memory_is_refused() -> None:
+    code = (
+        "import resource, implicitrt as irt\nirt.render('x', size=(4, 4))\n"
+        "pages = int(open('/proc/self/statm').read().split()[0])\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + (100 << 20), resource.RLIM_INFINITY))\n"
+        "try: irt.render('x', size=(8192, 8192))\nexcept irt.LimitError as e: print(e)\n"
+        "print(irt.render('x', size=(4, 4)).size)"
+    )
+    out, err = _start(code).communicate(timeout=300)
+    assert "smaller frame" in out and out.strip().endswith("(4, 4)"), err[-800:]
+
+
+def test_ctrl_c_within_a_frame() -> None:
+    """In a band of rows, most likely; between two frames it is no different."""
+    threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        while True:
+            irt.render("sin(40x) sin(40y) sin(40z) + 1", size=(800, 600), method="ia", rounding="fast", eps=1e-6, precision="single")
+    assert irt.render("x", size=(4, 4)).size == (4, 4)
+
+
+@pytest.mark.parametrize(("script", "verdict"), [("kill -ABRT $PPID", "died .signal SIGABRT"), ("echo $$ > $0.pid; sleep 600", "hung")], ids=["aborts", "hangs"])
+def test_a_driver_that_faults_in_its_compiler(script: str, verdict: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """PoCL calls a linker while it compiles; this one ends the process that called it, or never comes back."""
+    driver = next((d for d in module._found() if d.label == "pocl (system)"), None)
+    if driver is None:
+        pytest.skip("PoCL is not installed on this system")
+    irt.render("x", size=(4, 4))
+    linker = tmp_path / "ld"
+    linker.write_text(f"#!/bin/sh\n{script}\n")
+    linker.chmod(0o755)
+    with monkeypatch.context() as fault:
+        fault.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+        fault.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+        fault.setattr(module, "_found", lambda: [driver])
+        fault.setattr(module, "PROBE_SECONDS", 6.0)
+        with pytest.raises(irt.DeviceError, match=verdict) as error:
+            open_device("pocl (sys")
+        assert "install one" in str(error.value) and "drivers-" in str(error.value)
+        if (pid := tmp_path / "ld.pid").exists():
+            state = Path(f"/proc/{int(pid.read_text())}/stat")
+            assert not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z"
+    assert irt.render("x", size=(4, 4)).size == (4, 4)
+    assert shutil.which("ld") != str(linker)
 
 
 @pytest.mark.parametrize("step", [irt.sin, lambda e: e**2 + 1])
