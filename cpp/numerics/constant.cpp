@@ -1,4 +1,4 @@
-// Constants: evaluated at growing precision until the two doubles around them are known.
+// Constants: evaluated at growing precision until the two doubles around them are known, or the one that they seem to be.
 #include "numerics/constant.h"
 
 #include <cmath>
@@ -27,7 +27,10 @@ Bounds enclose_constant(const Expr& e) {
     if (v.empty) throw ExpressionError(to_string(e) + " has no value");
     best = {mpfr_get_d(v.lo, MPFR_RNDD), mpfr_get_d(v.hi, MPFR_RNDU)};
     if (v.doubtful || !(mpfr_number_p(static_cast<mpfr_srcptr>(v.lo)) && mpfr_number_p(static_cast<mpfr_srcptr>(v.hi)))) continue;
-    if (best.lo == best.hi || std::nextafter(best.lo, HUGE_VAL) == best.hi) return best;
+    const double next = std::nextafter(best.lo, HUGE_VAL);
+    if (best.lo == best.hi || next == best.hi) return best;
+    // A double that no precision tells from the value, as 5 from sqrt(5) sqrt(5), lies between.
+    if (p > kFirst && std::nextafter(next, HUGE_VAL) == best.hi) return best;
   }
   if (best.lo == best.hi) return best;
   throw ExpressionError("the constant " + to_string(e) + " is undefined, infinite or at a jump: its value cannot be bounded");

@@ -35,6 +35,17 @@ TEST(Constants, ExactOnesArePoints) {
   EXPECT_EQ(b.hi, 2.75);
 }
 
+TEST(Constants, OneThatIsANumberButDoesNotLookItLiesBetweenItsNeighbours) {
+  const Bounds five = enclose_constant(parse("sqrt(5)*sqrt(5)"));
+  EXPECT_LE(five.lo, 5);
+  EXPECT_GE(five.hi, 5);
+  EXPECT_LE(five.hi - five.lo, 2e-15);
+  const Bounds zero = enclose_constant(parse("(sqrt(2) + sqrt(3))^2 - 5 - 2*sqrt(6)"));
+  EXPECT_LE(zero.lo, 0);
+  EXPECT_GE(zero.hi, 0);
+  EXPECT_LE(zero.hi - zero.lo, 1e-300);
+}
+
 TEST(Constants, WithoutAValueAreRefused) {
   EXPECT_THROW(enclose_constant(parse("log(sin(0) - cos(1))")), ExpressionError);
   EXPECT_THROW(enclose_constant(parse("asin(pi)")), ExpressionError);
