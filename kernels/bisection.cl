@@ -99,6 +99,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     below = LT(side, (F)0);
     active &= LT(position, PATH_END);
     marching |= doubtful;
+    if (pieces >= max_pieces) break;
 #endif
     COUNT(active)
     const F from = TO_F(position), end = from + TO_F(step);

@@ -179,5 +179,5 @@ def test_clips_are_refused() -> None:
 def test_kernels_have_no_enclosures() -> None:
     for method in ("analytic", "csg-analytic"):
         source = irt.kernel_source("Max(x, y)" if method == "csg-analytic" else "x^4 - y", method=method)
-        assert "irt_affine" not in source and "irt_interval" not in source and "LOWER(v, k)" in source
+        assert "irt_affine" not in source and "irt_interval" not in source and "LOWER(v, n)" in source
         assert "ia_add" not in source and "ra_add" not in source
