@@ -133,7 +133,7 @@ class Comparison:
                 line = sorted((p for p in self.points if (p.formula, p.method) == (name, method)), key=lambda p: -p.eps)
                 if line:
                     panel.plot([p.milliseconds for p in line], [max(p.largest_error, 1e-16) for p in line], marker="o", markersize=3.5,
-                               color=colors[k % len(colors)], linestyle="-" if method in proven else "--", label=method)  # fmt: skip
+                               color="black" if method == "auto" else colors[k % len(colors)], linestyle="-" if method in proven else "--", label=method)  # fmt: skip
                     wrong = [p for p in line if p.wrong_misses or p.wrong_hits]
                     panel.plot(
                         [p.milliseconds for p in wrong], [max(p.largest_error, 1e-16) for p in wrong], "x", color="red"
@@ -143,6 +143,7 @@ class Comparison:
                        fillstyle="none", color="0.3")  # fmt: skip
             panel.set(xscale="log", yscale="log", title=name[:40], xlabel="ms per frame", ylabel="largest depth error")
             panel.grid(True, which="both", alpha=0.25)
+            panel.tick_params(axis="x", which="minor", labelsize=6, labelrotation=45)
         for panel in panels[len(names) :]:
             panel.set_visible(False)
         lines = {text: line for p in panels for line, text in zip(*p.get_legend_handles_labels(), strict=True)}
