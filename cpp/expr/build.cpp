@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <cmath>
 #include <map>
 #include <unordered_map>
@@ -104,7 +105,8 @@ Expr with_coefficient(const mpq_class& c, const Expr& rest) {
   if (sgn(c) == 0 && rest.key()->total) return Expr(0L);
   std::vector<Expr> args{number(c)};
   if (rest.op() == Op::Mul) {
-    args.insert(args.end(), rest.args().begin(), rest.args().end());
+    // As in a product: zero times what is defined everywhere is zero.
+    std::ranges::copy_if(rest.args(), std::back_inserter(args), [&](const Expr& e) { return sgn(c) != 0 || !e.key()->total; });
   } else {
     args.push_back(rest);
   }
@@ -176,13 +178,17 @@ Expr add(std::span<const Expr> terms) {
     }
   }
   std::vector<Expr> kept;
+  std::unordered_set<Expr, ExprHash> zeros;
   for (const Expr& rest : order) {
     Expr term = with_coefficient(coefficient.at(rest), rest);
     if (is_number(term)) {
       constant += term.number();
-    } else {
-      kept.push_back(std::move(term));
+      continue;
     }
+    // What is left of zero times a product may be there already.
+    if (sgn(coefficient.at(rest)) == 0)
+      if (const Expr left = split_coefficient(term).second; !(left == rest) && (coefficient.contains(left) || !zeros.insert(left).second)) continue;
+    kept.push_back(std::move(term));
   }
   std::sort(kept.begin(), kept.end(), term_less);
   check_bits(constant);

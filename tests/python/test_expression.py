@@ -209,3 +209,12 @@ def test_subs() -> None:
     assert irt.parse("a*x").subs({"a": 2}) == 2 * x
     assert float(irt.parse("sqrt(2)*E").evaluate()) == pytest.approx(2**0.5 * np.e)
     assert float(E) == pytest.approx(np.e)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["2^pi*a - 2^pi*a", "2^pi*a - 2^pi*a + 2^pi*b - 2^pi*b", "2^pi*a - 2^pi*a + 2^pi*3", "x^2 - 2^pi*pi + 2^pi*pi + a"],
+)
+def test_what_is_left_of_zero_times_a_product_reads_back(text: str) -> None:
+    f = irt.parse(text)
+    assert irt.parse(str(f)) == f
