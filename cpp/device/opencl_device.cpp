@@ -7,6 +7,8 @@
 #include <future>
 #include <list>
 #include <mutex>
+#include <optional>
+#include <system_error>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -97,52 +99,27 @@ class ClDevice : public Device {
   // Nothing is locked while a driver compiles: other kernels can be had, and who asks for the same one waits for it.
   std::shared_ptr<Kernel> kernel(const std::string& source, const std::string& entry, bool* built) override {
     check_process();
-    if (built) *built = false;
-    std::promise<std::shared_ptr<ClKernel>> promise;
-    std::unique_lock lock(mutex_);
-    if (const auto it = index_.find(source); it != index_.end()) {
-      recent_.splice(recent_.begin(), recent_, it->second);
-      const auto found = it->second->kernel;
-      lock.unlock();
-      return found.get();
-    }
-    recent_.push_front({source, promise.get_future().share()});
-    index_[source] = recent_.begin();
-    if (recent_.size() > limits::kPrograms) {
-      index_.erase(recent_.back().source);
-      recent_.pop_back();
-    }
-    lock.unlock();
-    try {
-      auto kernel = std::make_shared<ClKernel>(build(source), entry);
-      promise.set_value(kernel);
-      if (built) *built = true;
-      return kernel;
-    } catch (...) {
-      promise.set_exception(std::current_exception());
-      lock.lock();
-      if (const auto it = index_.find(source); it != index_.end()) {
-        recent_.erase(it->second);
-        index_.erase(it);
-      }
-      throw;
-    }
+    Wanted wanted = reserve(source);
+    if (built) *built = wanted.promise.has_value();
+    if (wanted.promise) fulfil(*wanted.promise, source, entry);
+    return wanted.kernel.get();
   }
 
+  // Reserved before this returns: a frame that comes next waits for this build and does none of its own.
   void prepare(const std::string& source, const std::string& entry) override {
     check_process();
     const std::lock_guard lock(ahead_mutex_);
-    {
-      const std::lock_guard found(mutex_);
-      if (index_.count(source)) return;
-    }
+    Wanted wanted = reserve(source);
+    if (!wanted.promise) return;
     if (ahead_.joinable()) ahead_.join();
-    ahead_ = std::thread([this, source, entry] {
-      try {
-        kernel(source, entry, nullptr);
-      } catch (const std::exception&) {  // who needs it will be told
-      }
-    });
+    const auto promise = std::make_shared<Promise>(std::move(*wanted.promise));
+    // If the build fails, who needs it will be told.
+    const auto work = [this, source, entry, promise] { fulfil(*promise, source, entry); };
+    try {
+      ahead_ = std::thread(work);
+    } catch (const std::system_error&) {  // no thread to be had
+      work();
+    }
   }
 
   void finish() override {
@@ -208,9 +185,15 @@ class ClDevice : public Device {
   }
 
  private:
+  using Promise = std::promise<std::shared_ptr<ClKernel>>;
+  using Future = std::shared_future<std::shared_ptr<ClKernel>>;
   struct Entry {
     std::string source;
-    std::shared_future<std::shared_ptr<ClKernel>> kernel;
+    Future kernel;
+  };
+  struct Wanted {
+    Future kernel;
+    std::optional<Promise> promise;  // for the first who asks: to be fulfilled
   };
   cl_device_id device_;
   cl_context context_;
@@ -235,6 +218,36 @@ class ClDevice : public Device {
     Queue queue(table(context_).clCreateCommandQueue(context_, device_, 0, &code));
     check(code, "clCreateCommandQueue");
     return queue;
+  }
+
+  Wanted reserve(const std::string& source) {
+    const std::lock_guard lock(mutex_);
+    if (const auto it = index_.find(source); it != index_.end()) {
+      recent_.splice(recent_.begin(), recent_, it->second);
+      return {it->second->kernel, {}};
+    }
+    Promise promise;
+    recent_.push_front({source, promise.get_future().share()});
+    index_[source] = recent_.begin();
+    if (recent_.size() > limits::kPrograms) {
+      index_.erase(recent_.back().source);
+      recent_.pop_back();
+    }
+    return {recent_.front().kernel, std::move(promise)};
+  }
+
+  void fulfil(Promise& promise, const std::string& source, const std::string& entry) {
+    try {
+      promise.set_value(std::make_shared<ClKernel>(build(source), entry));
+    } catch (...) {
+      // Forgotten, so that the next who asks tries again.
+      const std::lock_guard lock(mutex_);
+      if (const auto it = index_.find(source); it != index_.end()) {
+        recent_.erase(it->second);
+        index_.erase(it);
+      }
+      promise.set_exception(std::current_exception());
+    }
   }
 
   static void set_argument(cl_kernel kernel, cl_uint index, const Arg& arg) {
