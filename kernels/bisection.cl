@@ -16,16 +16,6 @@
 // With IRT_OUTWARD f is evaluated at one place only, so that the driver compiles it once. Lanes at candidates wait until no lane marches;
 // then all of them open windows, cut, and prove together. Where all roundings of f together have a bound (IRT_SLACK), lanes first march by
 // arithmetic without pads as far as that bound leaves no doubt.
-#define MARGIN R(0.25)  // of a piece, beyond its end
-// From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
-// thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
-#if IRT_DOUBLE
-#define WIDENINGS 64
-#define WIDER R(1.5)
-#else
-#define WIDENINGS 48
-#define WIDER R(1.25)
-#endif
 #if IRT_ALONG
 #define EARLY 2  // windows are opened at pieces of 2^EARLY times eps
 #define AHEAD 2  // and are 2^AHEAD pieces long
@@ -34,8 +24,6 @@
 #define COARSE R(8.0)   // where a COARSEth of the radius is less than the bound of all roundings, pads are tighter
 #define SHORT ((I)64)   // units: so much the coordinates without pads may be off, and more
 #endif
-
-#define LOWEST_BIT(v) ((v) & -(v))
 
 #if IRT_ALONG
 // Windows end where a piece of `halt` units can begin.
@@ -210,13 +198,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     above = SELECT(start, is_above, above);
     below = SELECT(start, is_below, below);
     asked |= start;
-    const I opposite = tried & ((above & is_below) | (below & is_above));
-#if IRT_PARTIAL || IRT_CLIP
-    const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & (~opposite | checking);
-    checking = opposite & ~checking;
-#else
-    const I proven = opposite, failed = tried & ~opposite;
-#endif
+    JUDGE(tried)
     const I last = LE(step, (I)1), room = (above | below) & LE(R(2.0) * (behind - from), wanted);
     const I widens = failed & (last | room) & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
     const I gives_up = failed & last & ~widens, halves = failed & ~last & ~widens;

@@ -7,16 +7,6 @@
 // is left is short enough it is a HIT. Where that does not happen (f is a range there, or rounding drowns it) a short piece is a
 // candidate and is proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it
 // inside the clip region where there is one (IRT_CLIP). Few lanes ever come to that, so its bookkeeping is left out where none has.
-#define MARGIN R(0.25)  // of a piece, beyond its end
-// From the floor brackets widen a little at a time, so that they are hardly wider than they must be. Both ways lead to about a
-// thousandth of the path; in double that is a long way, and formulas that cancel (expanded high degrees) need all of it.
-#if IRT_DOUBLE
-#define WIDENINGS 64
-#define WIDER R(1.5)
-#else
-#define WIDENINGS 48
-#define WIDER R(1.25)
-#endif
 #define UNITS ((F)PATH_END_REAL)
 #define FIRST_STEP ((F)(PATH_END_REAL / 8))
 // How far the rounding of a contracted end to units may be off.
@@ -151,13 +141,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #else
       const I holds = opposite, failed = attempted & ~opposite;
 #endif
-#if IRT_OUTWARD
-      const I last = LE(step, (F)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
-      const I gives_up = failed & last & ~widens, halves = failed & ~last;
-#else
-      // As the papers do: the first piece that is short enough ends the search; HIT where the computed signs at its ends differ.
-      const I widens = NONE, gives_up = failed, halves = NONE;
-#endif
+      AFTER_FAILURE(failed, LE(step, (F)1), WIDENINGS)
       far = SELECT(holds, behind, SELECT(gives_up, end, far));
       hits |= holds;
       open |= gives_up;

@@ -8,9 +8,8 @@
 // before it tells the sign at its start; the opposite sign must be proven a little behind its end, and f continuous between, inside the
 // clip region. Else it is halved on, to the floor of the precision, where what is looked at behind it widens; what is still open is a TOUCH,
 // or UNRESOLVED at a pole.
-#define MARGIN R(0.25)  // of a piece, beyond its end
-#define WIDENINGS 32
-#define WIDER R(1.5)
+#define STACK_WIDENINGS 32
+#define STACK_WIDER R(1.5)
 #define HEIGHT (PATH_LEVELS + 1)
 
 static inline void push(I* stack, I* height, I v, I lanes) {
@@ -49,20 +48,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const I marches = active & ~proving, skips = marches & (is_above | is_below | undefined | outside), ended = skips & GE(end, PATH_END);
     const I left = marches & ~skips, candidate = left & LE(end - from, stop);
     const I answers = active & asking, tried = active & proving & ~asking;
-    const I opposite = tried & ~checking & ((above & is_below) | (below & is_above));
-#if IRT_PARTIAL || IRT_CLIP
-    const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & ~opposite;
-    checking = opposite;
-#else
-    const I proven = opposite, failed = tried & ~opposite;
-#endif
-#if IRT_OUTWARD
-    const I last = LE(end - from, (I)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
-    const I gives_up = failed & last & ~widens, halves = failed & ~last;
-#else
-    // As the papers do: the first piece that is short enough ends the search; HIT where the computed signs at its ends differ.
-    const I widens = NONE, gives_up = failed, halves = NONE;
-#endif
+    JUDGE(tried)
+    AFTER_FAILURE(failed, LE(end - from, (I)1), STACK_WIDENINGS)
     hits |= proven;
     open |= gives_up;
     far = SELECT(proven, behind, SELECT(gives_up, TO_F(end), far));
@@ -73,7 +60,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     below = SELECT(known, is_below, below & ~skips);
     wild = SELECT(candidate, unbounded(f), wild);
     tries = SELECT(candidate, NONE, tries - widens);
-    margin = SELECT(candidate, MARGIN * TO_F(end - from), SELECT(widens, WIDER * margin, margin));
+    margin = SELECT(candidate, MARGIN * TO_F(end - from), SELECT(widens, STACK_WIDER * margin, margin));
     stop = SELECT(halves, max(stop >> 2, (I)1), stop);
     const I splits = (left & ~candidate) | halves, passes = skips & ~ended;
     proving = (proving & ~halves) | candidate;

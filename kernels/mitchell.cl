@@ -8,19 +8,9 @@
 // intervals the mean value theorem (S3's centered form) clears pieces in which f is not monotone as well. S3 takes a piece shorter than eps for a
 // root; with IRT_OUTWARD it is a candidate and proven as in bisection.cl: sign at the start known, opposite sign behind the end, f
 // continuous between, inside the clip region where there is one (IRT_CLIP). So multiple roots are found that no derivative isolates.
-#define MARGIN R(0.25)  // of a candidate, beyond its end
 #define OVERLAP R(0.125)  // of a piece: windows look so far behind its end, for roots on it
 #define FIRST_STEP (PATH_END >> 2)
 #define TIGHT R(4.0)     // slopes within this factor: what does not close in any more is rounding
-#if IRT_DOUBLE
-#define WIDENINGS 64
-#define WIDER R(1.5)
-#else
-#define WIDENINGS 48
-#define WIDER R(1.25)
-#endif
-
-#define LOWEST_BIT(v) ((v) & -(v))
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces PARAMETERS) {
   const PATH path = make_path(ray, range, q);
@@ -101,20 +91,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #endif
     if (ANY(proving)) {
       const I answers = active & asking, tried = active & proving & ~asking;
-      const I opposite = tried & ~checking & ((above & is_below) | (below & is_above));
-#if IRT_PARTIAL || IRT_CLIP
-      const I proven = tried & checking & inside & ~rough, failed = tried & ~proven & ~opposite;
-      checking = opposite;
-#else
-      const I proven = opposite, failed = tried & ~opposite;
-#endif
-#if IRT_OUTWARD
-      const I last = LE(step, (I)1), widens = failed & last & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
-      const I gives_up = failed & last & ~widens, halves = failed & ~last;
-#else
-      // As the papers do: the first piece that is short enough ends the search; HIT where the computed signs at its ends differ.
-      const I widens = NONE, gives_up = failed, halves = NONE;
-#endif
+      JUDGE(tried)
+      AFTER_FAILURE(failed, LE(step, (I)1), WIDENINGS)
       above = SELECT(answers, is_above, above);
       below = SELECT(answers, is_below, below);
       hits |= proven;

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <cmath>
 #include <map>
 #include <unordered_map>
@@ -102,11 +101,10 @@ bool term_less(const Expr& a, const Expr& b) {
 Expr with_coefficient(const mpq_class& c, const Expr& rest) {
   if (c == 1) return rest;
   if (is_number(rest)) return number(c * rest.number());
-  if (sgn(c) == 0 && rest.key()->total) return Expr(0L);
+  if (sgn(c) == 0) return mul(Expr(0L), rest);
   std::vector<Expr> args{number(c)};
   if (rest.op() == Op::Mul) {
-    // As in a product: zero times what is defined everywhere is zero.
-    std::ranges::copy_if(rest.args(), std::back_inserter(args), [&](const Expr& e) { return sgn(c) != 0 || !e.key()->total; });
+    args.insert(args.end(), rest.args().begin(), rest.args().end());
   } else {
     args.push_back(rest);
   }

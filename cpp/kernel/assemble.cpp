@@ -165,7 +165,7 @@ struct Reader {
 
 const Reader kReaders[] = {
     {"enclosures", enclosures, [](const Spec& s) -> std::vector<std::string> {
-       std::vector<std::string> files{"path.cl", "form.cl", s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl"};
+       std::vector<std::string> files{"path.cl", "candidate.cl", "form.cl", s.affine ? "enclosure_affine.cl" : "enclosure_interval.cl"};
        if (s.along) files.push_back("isolate.cl");
        return files;
      }},
