@@ -448,21 +448,30 @@ def _prepare_cache(device: Device) -> None:
 
 def _drop_broken_entries(folder: Path) -> None:
     """Removes what a crash or a full disk left half-written in PoCL's cache: PoCL aborts the process where it reads such an
-    entry. Files that have not changed since the last look are not opened again."""
+    entry. Entries that nobody has used since the last look are not opened again: a cache may hold ten thousands."""
     stamp = folder / ".implicitrt-checked"
     since = stamp.stat().st_mtime if stamp.exists() else 0.0
-    for place, _, files in os.walk(folder):
-        for name in files:
-            file = os.path.join(place, name)
+    root = folder / "kcache" if (folder / "kcache").is_dir() else folder  # the latter where POCL_CACHE_DIR is set
+    for bucket in _folders(root):
+        for entry in _folders(bucket.path):
             with contextlib.suppress(OSError):
-                if name.endswith((".bc", ".so")) and os.stat(file).st_mtime >= since and not _whole(file):
-                    entry = Path(file).relative_to(folder).parts[:2]  # <two letters>/<hash>/...
-                    shutil.rmtree(folder.joinpath(*entry), ignore_errors=True)
+                used = entry.stat().st_mtime
+                with contextlib.suppress(FileNotFoundError):
+                    used = max(used, os.stat(os.path.join(entry.path, "last_accessed")).st_mtime)
+                if used >= since and not all(_whole(os.path.join(place, file)) for place, _, files in os.walk(entry.path) for file in files):
+                    shutil.rmtree(entry.path, ignore_errors=True)
     stamp.touch()
+
+
+def _folders(folder: str | Path) -> list[os.DirEntry[str]]:
+    with os.scandir(folder) as found:
+        return [entry for entry in found if entry.is_dir()]
 
 
 def _whole(path: str) -> bool:
     """Whether a file of LLVM bitcode or a shared object has a head that fits, and a length that fits its head."""
+    if not path.endswith((".bc", ".so")):
+        return True
     with open(path, "rb") as file:
         head = file.read(64)
         size = os.fstat(file.fileno()).st_size

@@ -184,3 +184,26 @@ def test_widths_can_be_chosen() -> None:
     assert open_device(":1").width == 1
     with pytest.raises(irt.DeviceError, match="packets of 3"):
         open_device(":3")
+
+
+@pytest.mark.parametrize("layout", ["kcache", ""])
+def test_only_broken_entries_of_a_cache_are_dropped(layout: str, tmp_path: Path) -> None:
+    """As PoCL lays them out, below `kcache` or not; one that nobody used since the last look is not looked into again."""
+    bucket = tmp_path / layout / "AB"
+
+    def entry(name: str, program: bytes) -> Path:
+        (bucket / name / "trace").mkdir(parents=True)
+        (bucket / name / "last_accessed").touch()
+        (bucket / name / "program.bc").write_bytes(program)
+        return bucket / name
+
+    good, broken = entry("good", b"BC\xc0\xde" + bytes(8)), entry("broken", b"BC\xc0\xde" + bytes(7))
+    module._drop_broken_entries(tmp_path)
+    assert good.exists() and not broken.exists()
+    unused, used = entry("unused", b"half"), entry("used", b"half")
+    for e in (unused, used):
+        for path in (e, e / "last_accessed"):
+            os.utime(path, (1, 1))
+    os.utime(used / "last_accessed")
+    module._drop_broken_entries(tmp_path)
+    assert good.exists() and unused.exists() and not used.exists()
