@@ -4,6 +4,7 @@
 // inclusion arithmetic likes best: squares and even powers are kept, constants are folded into scales and shifts.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -88,6 +89,9 @@ struct Program {
 
   // Whether pieces of ray are told to be passed over for other reasons than the sign of f.
   bool has_region() const { return clip >= 0 || numerator >= 0; }
+  bool has_choices() const {
+    return std::ranges::any_of(code, [](const Instruction& i) { return i.code == Code::Min || i.code == Code::Max; });
+  }
   std::size_t inputs() const { return parameters.size() + (isovalue ? 1 : 0); }
 
   const Instruction& operator[](Value v) const { return code[static_cast<std::size_t>(v)]; }

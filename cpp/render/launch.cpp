@@ -141,8 +141,9 @@ void set_enclosures(kernel::Spec& spec, const program::Program& program, const B
   // Bisection marches without pads where nothing overflows.
   spec.slack = options.outward && options.finder == "bisection" && !spec.infinite;
   // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
-  // where a clip formula is to be proven along with each bracket.
-  if (options.affine || !options.outward || options.finder != "bisection" || program.has_region()) return;
+  // where a clip formula is to be proven along with each bracket; nor where Min or Max choose, at whose edges the derivative jumps: that
+  // gains a tenth at best, and doubles what the driver has to compile.
+  if (options.affine || !options.outward || options.finder != "bisection" || program.has_region() || program.has_choices()) return;
   const auto derivative = program::along(program);
   spec.along = derivative && (spec.infinite || !needs_infinities(*derivative, coordinates, options, spec.precision));
 }
