@@ -35,7 +35,24 @@ Interval ends(double lo, double hi, mpfr_prec_t p) {
 
 bool holds_zero(const Interval& a) { return mpfr_sgn((mpfr_srcptr)a.lo) <= 0 && mpfr_sgn((mpfr_srcptr)a.hi) >= 0; }
 
+bool is_point(const Interval& a) { return mpfr_equal_p(a.lo, a.hi); }
+
+// A value rounded down and up by one evaluation: MPFR rounds correctly, so up is the next number, unless down was exact.
+template <class F>
+Interval around(F f, mpfr_prec_t p) {
+  Interval r(p);
+  const bool exact = f(r.lo) == 0;
+  mpfr_set(r.hi, r.lo, MPFR_RNDU);
+  if (!exact) mpfr_nextabove(r.hi);
+  return r;
+}
+
+Interval around(const Interval& point, Function f) {
+  return around([&](mpfr_ptr r) { return f(r, point.lo, MPFR_RNDD); }, point.precision());
+}
+
 Interval rising(const Interval& a, Function f) {
+  if (is_point(a)) return around(a, f);
   Interval r(a.precision());
   f(r.lo, a.lo, MPFR_RNDD);
   f(r.hi, a.hi, MPFR_RNDU);
@@ -43,6 +60,7 @@ Interval rising(const Interval& a, Function f) {
 }
 
 Interval falling(const Interval& a, Function f) {
+  if (is_point(a)) return around(a, f);
   Interval r(a.precision());
   f(r.lo, a.hi, MPFR_RNDD);
   f(r.hi, a.lo, MPFR_RNDU);
@@ -63,6 +81,10 @@ Interval cut(const Interval& a, double lo, double hi, bool& outside) {
 Interval corners(const Interval& a, const Interval& b, Binary f) {
   const mpfr_prec_t p = a.precision();
   Interval r(p);
+  if (is_point(a) && is_point(b)) {
+    r = around([&](mpfr_ptr v) { return f(v, a.lo, b.lo, MPFR_RNDD); }, p);
+    return mpfr_nan_p((mpfr_srcptr)r.lo) ? ends(0, 0, p) : r;
+  }
   Real v(p);
   bool first = true;
   for (mpfr_srcptr x : {(mpfr_srcptr)a.lo, (mpfr_srcptr)a.hi})
@@ -125,6 +147,15 @@ Interval integer_power(const Interval& a, unsigned long n) {
   Interval r(a.precision());
   mpfr_pow_ui(r.lo, base.lo, n, MPFR_RNDD);
   mpfr_pow_ui(r.hi, base.hi, n, MPFR_RNDU);
+  return r;
+}
+
+// The roots of what is not negative.
+Interval roots(const Interval& a, unsigned long n, bool& outside) {
+  Interval r = cut(a, 0, HUGE_VAL, outside);
+  if (r.empty) return r;
+  mpfr_rootn_ui(r.lo, r.lo, n, MPFR_RNDD);
+  mpfr_rootn_ui(r.hi, r.hi, n, MPFR_RNDU);
   return r;
 }
 
@@ -195,6 +226,7 @@ bool meets(const Interval& a, double offset) {
 Interval wave(const Interval& a, Function f, double peak, double trough) {
   const mpfr_prec_t p = a.precision();
   if (!mpfr_number_p((mpfr_srcptr)a.lo) || !mpfr_number_p((mpfr_srcptr)a.hi)) return ends(-1, 1, p);
+  if (is_point(a)) return around(a, f);
   Interval r(p);
   Real v(p);
   f(r.lo, a.lo, MPFR_RNDD);
@@ -209,7 +241,7 @@ Interval wave(const Interval& a, Function f, double peak, double trough) {
 }
 
 Interval tangent(const Interval& a) {
-  if (meets(a, 0.5) || meets(a, -0.5)) {
+  if (!is_point(a) && (meets(a, 0.5) || meets(a, -0.5))) {
     Interval r = entire(a.precision());
     r.doubtful = true;
     return r;
@@ -238,7 +270,9 @@ int mpfr_floored(mpfr_ptr r, mpfr_srcptr a, mpfr_rnd_t) { return mpfr_floor(r, a
 int mpfr_signum(mpfr_ptr r, mpfr_srcptr a, mpfr_rnd_t) { return mpfr_set_si(r, mpfr_sgn(a), MPFR_RNDN); }
 
 Interval step(const Interval& a, Function f) {
-  Interval r = rising(a, f);
+  Interval r(a.precision());
+  f(r.lo, a.lo, MPFR_RNDD);
+  f(r.hi, a.hi, MPFR_RNDU);
   r.doubtful = !mpfr_equal_p(r.lo, r.hi);
   return r;
 }
@@ -355,13 +389,12 @@ Interval apply(const Expr& e, std::span<const Interval* const> args, mpfr_prec_t
     case Op::Mul: r = fold(multiply); break;
     case Op::Pow: {
       const Expr& n = e.arg(1);
-      if (n.op() == Op::Number && n.number().get_den() == 1 && abs(n.number().get_num()) < 1'000'000'000) {
+      if (n.op() == Op::Number && n.number().get_den() < 100 && abs(n.number().get_num()) < 1'000'000'000) {
         const long k = n.number().get_num().get_si();
-        r = integer_power(a(), static_cast<unsigned long>(std::labs(k)));
-        if (k < 0) r = reciprocal(r);
-      } else if (n.op() == Op::Number && n.number() == mpq_class(1, 2)) {
-        r = cut(a(), 0, HUGE_VAL, outside);
-        if (!r.empty) r = rising(r, mpfr_sqrt);
+        const unsigned long root = n.number().get_den().get_ui();
+        r = root == 1 ? a() : roots(a(), root, outside);
+        if (!r.empty) r = integer_power(r, static_cast<unsigned long>(std::labs(k)));
+        if (!r.empty && k < 0) r = reciprocal(r);
       } else {
         r = real_power(a(), b());
       }
