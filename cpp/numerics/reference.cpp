@@ -23,8 +23,8 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 // Pieces that one ray may take in an arithmetic before it is undecided. Named surfaces take some hundreds.
 constexpr int kPiecesInDouble = 30'000, kPiecesInMpfr = 3'000;
 constexpr mpfr_prec_t kPrecisions[] = {160, 640};
-// With Query::quick so few pieces are looked at, and polynomials have so few coefficients to make, that a ray
-// takes a few milliseconds at most. Counted in operations, not in time: answers do not depend on how busy the machine is.
+// With Query::quick so few pieces are looked at, and polynomials have so few coefficients to make (or are subdivided as other formulas
+// are), that a ray takes a few milliseconds at most. Counted in operations, not in time: answers do not depend on how busy the machine is.
 constexpr std::size_t kQuickWork = 400'000;
 constexpr int kQuickPiecesInMpfr = 20;
 
@@ -245,9 +245,9 @@ class Region {
 
 std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query) {
   const Formula formula(f, query.parameters);
-  const std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
+  std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
   if (query.quick && plan && formula.steps().size() * static_cast<std::size_t>(plan->degree()) * static_cast<std::size_t>(plan->degree()) > kQuickWork)
-    return std::vector<Root>(rays.size());
+    plan.reset();
   std::optional<Formula> g;
   if (query.clip) g.emplace(*query.clip, query.parameters);
   std::vector<Root> roots(rays.size());
