@@ -70,6 +70,10 @@ py::dict reference(const Expr& f, const py::dict& request) {
   return py::dict(py::arg("kind") = kind, py::arg("arithmetic") = arithmetic, py::arg("lo") = lo, py::arg("hi") = hi);
 }
 
+double single_blur(const Expr& f, const std::array<double, 3>& lower, const std::array<double, 3>& upper, const std::map<std::string, double>& params) {
+  return numerics::single_blur(f, vector(lower.data()), vector(upper.data()), params);
+}
+
 py::array_t<double> values(const Expr& f, const Doubles& points) {
   if (points.ndim() != 2 || points.shape(1) != 3) throw ArgumentError("points must have shape (N, 3)");
   for (py::ssize_t i = 0; i < points.size(); ++i)
@@ -90,6 +94,8 @@ py::array_t<double> values(const Expr& f, const Doubles& points) {
 
 void bind_numerics(py::module_& m) {
   m.def("reference", &reference, py::arg("expr"), py::arg("request"), "The first zero on each ray, proven; see reference.py.");
+  m.def("single_blur", &single_blur, py::arg("expr"), py::arg("lower"), py::arg("upper"), py::arg("params"),
+        "An estimate of how far along a ray single precision blurs zeros of f; nan where none was met.");
   m.def("values", &values, py::arg("expr"), py::arg("points"),
         "The doubles around f at each of (N, 3) points, by MPFR: (N, 2); nan where f has no value.");
 }

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "caps.h"
@@ -51,9 +53,13 @@ class DoubleAlong final : public Along {
   }
 
   int sign(double t) override {
-    run(Interval(t), formula_.f() + 1);
-    const Interval& f = values_[formula_.f()];
+    const Interval& f = value(t);
     return f.doubtful ? 0 : f.sign();
+  }
+
+  const Interval& value(double t) {
+    run(Interval(t), formula_.f() + 1);
+    return values_[formula_.f()];
   }
 
  private:
@@ -189,7 +195,7 @@ class MpfrAlong final : public Along {
 
 }  // namespace
 
-Formula::Formula(const Expr& f, const std::map<std::string, double>& parameters) : parameters_(parameters) {
+Formula::Formula(const Expr& f, const std::map<std::string, double>& parameters, bool gradient) : parameters_(parameters) {
   std::unordered_map<const Node*, std::uint32_t> index;
   std::vector<MpfrInterval> constants;
   const auto append = [&](const Expr& root) {
@@ -224,6 +230,7 @@ Formula::Formula(const Expr& f, const std::map<std::string, double>& parameters)
     return index.at(root.key());
   };
   f_ = append(f);
+  if (!gradient) return;
   const char* axes[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) gradient_[axis] = append(differentiate(f, axes[axis]));
 }
@@ -232,6 +239,47 @@ MpfrInterval Formula::constant(const Step& step, std::span<const MpfrInterval* c
   if (step.e.op() != Op::Symbol) return apply(step.e, args, precision);
   const double v = parameters_.at(step.e.name());
   return MpfrInterval::of(v, v, precision);
+}
+
+double single_blur(const Expr& f, const glm::dvec3& lower, const glm::dvec3& upper, const std::map<std::string, double>& parameters) {
+  constexpr int kLines = 12, kSteps = 32, kHalvings = 8;
+  constexpr std::size_t kEnough = 7;
+  const Formula formula(f, parameters, false);
+  Ray ray{};
+  DoubleAlong along(formula, ray);
+  std::vector<double> blurs;
+  for (int k = 0; k < kLines && blurs.size() < kEnough; ++k) {
+    // Points of a sequence of low discrepancy on opposite faces of the box, three pairs of faces in turn.
+    const int axis = k % 3;
+    glm::dvec3 from(0), to(1);
+    for (int i = 1; i < 3; ++i) {
+      const int other = (axis + i) % 3;
+      from[other] = std::fmod(0.5 + k * (i == 1 ? 0.7548776662466927 : 0.5698402909980532), 1);
+      to[other] = std::fmod(0.25 + k * (i == 1 ? 0.5698402909980532 : 0.7548776662466927), 1);
+    }
+    from = glm::mix(lower, upper, from);
+    to = glm::mix(lower, upper, to);
+    ray = {from, glm::normalize(to - from)};
+    const double step = glm::length(to - from) / kSteps;
+    int before = 0;
+    for (int j = 0; j <= kSteps; ++j) {
+      const int now = along.sign(j * step);
+      if (before * now < 0) {
+        double a = (j - 1) * step, b = j * step;
+        for (int n = 0; n < kHalvings; ++n) {
+          const double m = 0.5 * (a + b);
+          (along.sign(m) == now ? b : a) = m;
+        }
+        const Interval at_a = along.value(a), at_b = along.value(b);
+        const double slope = std::fabs(0.5 * (at_b.lo + at_b.hi) - 0.5 * (at_a.lo + at_a.hi)) / (b - a);
+        if (slope > 0) blurs.push_back(0x1p29 * std::max(at_a.hi - at_a.lo, at_b.hi - at_b.lo) / slope);
+      }
+      before = now;
+    }
+  }
+  if (blurs.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::ranges::nth_element(blurs, blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2));
+  return blurs[blurs.size() / 2];
 }
 
 std::unique_ptr<Along> along_in_double(const Formula& formula, const Ray& ray) { return std::make_unique<DoubleAlong>(formula, ray); }

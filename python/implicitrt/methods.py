@@ -177,6 +177,11 @@ class Entry:
     defines: tuple[str, ...] = ()
     steps: int = 0
 
+    @property
+    def marches(self) -> bool:
+        """Whether signs of f itself, in the arithmetic of the kernel, decide."""
+        return self.reads == "enclosures" and not self.finder.startswith("frustum_")
+
 
 _FRUSTUM_FINDERS = {
     "lr": "the frustum form; Bezier subdivision at the control polygon's first zero",
@@ -261,7 +266,9 @@ def _choose_for_frames(expr: Expr) -> tuple[str, str]:
         degree = expr.degree()
     except LimitError:
         degree = None
-    if degree in _FORM_DEGREES:
+    if degree is not None and degree in _FORM_DEGREES:
+        if degree > 8 and expr._node.op == "Add" and all(len({s.name for s in part.free_symbols} & {"x", "y", "z"}) < 2 for part in expr.args):
+            return "contract", "it is a sum of polynomials of one coordinate each, of a high degree: affine forms know their Taylor forms"
         return "frustum-newton", f"it is a polynomial of degree {degree}, and its frustum form depends on nothing else"
     return _choose(expr)
 

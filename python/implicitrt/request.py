@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from implicitrt import _core
 from implicitrt.arguments import finite, one_of, positive, request_parameters
 from implicitrt.bounds import Bounds
 from implicitrt.devices import open_device
@@ -16,8 +17,8 @@ from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
 from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 
-# Where eps is below so many times what single precision resolves, it leaves so much open that starting in double is quicker
-# (docs/speed-accuracy.md).
+# Where eps is below so many times what single precision resolves, or what it blurs zeros of the formula by is so many times eps, it leaves
+# so much open that starting in double is quicker (docs/speed-accuracy.md, docs/architecture.md).
 HOPELESS = 3.0
 
 
@@ -42,8 +43,12 @@ def finder_request(
     opened = open_device(device)
     opening = time.perf_counter() - asked
     one_of(precision, "precision", ("auto", "single", "double"))
+    values = request_parameters(f, expr, params, bounds)
     if precision == "auto":
-        if opened.fp64 and width * shortest < HOPELESS * bounds.single_resolution:
+        if opened.fp64 and (
+            width * shortest < HOPELESS * bounds.single_resolution
+            or (entry.marches and _blur(expr, isovalue, bounds, values) > HOPELESS * width * shortest)
+        ):
             precision = "double"
         elif entry.steps:
             precision = "single"
@@ -62,7 +67,7 @@ def finder_request(
         # What samples proves nothing, however it rounds.
         "rounding": rounding if entry.method.guarantee == "inclusion" else "fast",
         "eps": width,
-        "params": request_parameters(f, expr, params, bounds),
+        "params": values,
         "isovalue": None if isovalue is None else finite(isovalue, "isovalue"),
         # Enough for the shortest steps of the adaptive march.
         "max_pieces": int(max_pieces or (16 * steps + 4096 if steps else 0)),
@@ -72,6 +77,11 @@ def finder_request(
         "opening": opening,
     } | bounds.request()
     return request, reason
+
+
+def _blur(expr: Expr, isovalue: float | None, bounds: Bounds, values: Mapping[str, float]) -> float:
+    shifted = expr if isovalue is None else expr - finite(isovalue, "isovalue")
+    return _core.single_blur(shifted._node, bounds.lower, bounds.upper, values)
 
 
 def _steps(entry: Entry, method: Any, steps: int | None) -> int:

@@ -41,6 +41,16 @@ def test_few_open_pixels_need_no_second_kernel(name: str, method: str) -> None:
     assert (np.abs(auto.depth[hit] - reference.depth[hit]) <= 1e-11).all()
 
 
+@pytest.mark.parametrize("shift", [None, 0.25])
+def test_what_drowns_in_single_precision_begins_in_double(shift: float | None) -> None:
+    """Expanded, T14 leaves floats few digits; nested it is the same surface and leaves them all. Nothing is known where nothing is met."""
+    nested = "64*{0}^7 - 112*{0}^5 + 56*{0}^3 - 7*{0}".format("(2*w^2 - 1)")
+    for text, drowns in ((str(irt.parse(nested).expand()), True), (nested, False), ("w^2", False)):
+        f = irt.parse(" + ".join(f"({text.replace('w', axis)})" for axis in "xyz"))
+        frame = irt.render(f, size=(64, 48), bounds=1.1, isovalue=shift, method="contract")
+        assert (frame.stats.precision == "double") == drowns
+
+
 @pytest.mark.parametrize("light", [(0.3, 0.9, 0.4), None])
 def test_the_host_shades_like_the_kernel(light: tuple[float, float, float] | None) -> None:
     """A double frame shades every pixel in the kernel: those decided on the host look the same."""
