@@ -1,10 +1,11 @@
 """What statuses are worth: every named surface and 200 seeded formulas, every method that guarantees inclusion, eps 1e-2 to 1e-6, against
-irt.reference.
+irt.reference. Closed forms are judged where they apply, though they guarantee less.
 
     python benchmarks/statuses.py [--formulas 200] [--size 48] [--first 0] [--seconds 200] [--state out/statuses.jsonl] [--only surface]
 
 What is done is written down in `state`, one line each, and not done again: with --seconds it stops after about so long, and the next call
-goes on. Once all is there it prints how many simple roots were HIT, how much stayed open, and every status that lied; then it exits with 1.
+goes on. Once all is there it prints how many simple roots were HIT, how much stayed open, which default budgets were spent, and every status
+that lied; then it exits with 1.
 """
 
 from __future__ import annotations
@@ -28,16 +29,18 @@ from formulas import check, formula
 WIDTHS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 FRUSTUM = tuple(n for n in irt.methods() if n.startswith("frustum"))  # take frames of polynomials only
 TRACING = (
-    *(n for n, m in irt.methods().items() if m.guarantee == "inclusion" and n not in ("auto", "mitchell", *FRUSTUM)),
+    *(n for n, m in irt.methods().items() if m.guarantee == "inclusion" and n not in ("mitchell", *FRUSTUM)),
     irt.Mitchell("ia"),
     irt.Mitchell("raa"),
 )
-METHODS = (*TRACING, *FRUSTUM)
+CLOSED = ("analytic", "csg-analytic")  # their depths have no bracket
+METHODS = (*TRACING, *FRUSTUM, *CLOSED)
+BUDGET = 1 << 18  # limits::kPiecesInDouble, the larger one of the defaults
 
 
 def lies(truth: Any, status: np.ndarray, t: np.ndarray, uncertainty: np.ndarray) -> dict[str, int]:
     """How many statuses contradict the reference, by how."""
-    proven = status == Status.HIT
+    proven, open_ = status == Status.HIT, status == Status.UNRESOLVED
     with np.errstate(invalid="ignore"):
         low, high = t - uncertainty, t + uncertainty
         apart = (truth.bracket[..., 1] < low) | (truth.bracket[..., 0] > high)
@@ -47,7 +50,15 @@ def lies(truth: Any, status: np.ndarray, t: np.ndarray, uncertainty: np.ndarray)
         "wrong HIT": int(((truth.kind == Status.MISS) & proven).sum()),
         "bracket without its root": int((proven & truth.hit & apart).sum()),
         "HIT before any zero": int((proven & early).sum()),
+        "UNRESOLVED behind a root": int((open_ & truth.hit & (truth.bracket[..., 1] < t)).sum()),
     }
+
+
+def spent(s: Any, size: int, method: Any, eps: float) -> int:
+    """How many more pixels a larger budget of pieces decides than the default."""
+    open_ = [int((irt.render(s, size=(size, size), method=method, eps=eps, outputs=(), max_pieces=n).status == Status.UNRESOLVED).sum())
+             for n in (BUDGET, 8 * BUDGET)]  # fmt: skip
+    return max(0, open_[0] - open_[1])
 
 
 def surface(name: str, size: int) -> dict[str, Any]:
@@ -57,21 +68,25 @@ def surface(name: str, size: int) -> dict[str, Any]:
     misses = np.pad(truth.kind == Status.MISS, 1, mode="edge")
     near = np.stack([misses[i : i + size, j : j + size] for i in range(3) for j in range(3)])
     simple = (truth.kind == Status.HIT) & (near.all(0) | ~near.any(0))
-    out: dict[str, Any] = {"simple": int(simple.sum()), "undecided": int((truth.kind == Status.UNRESOLVED).sum()), "methods": {}, "lies": []}
+    out: dict[str, Any] = {"simple": int(simple.sum()), "undecided": int((truth.kind == Status.UNRESOLVED).sum()), "methods": {}, "lies": [], "spent": []}
     for method in METHODS:
         rows = []
-        for eps in WIDTHS:
+        for eps in WIDTHS if method not in CLOSED else WIDTHS[2:3]:
             try:
                 frame = irt.render(s, size=(size, size), method=method, eps=eps, outputs=())
             except irt.MethodError:
                 break
-            for what, count in lies(truth, frame.status, frame.depth, frame.uncertainty).items():
+            off = frame.uncertainty if method not in CLOSED else np.full(frame.depth.shape, eps)
+            for what, count in lies(truth, frame.status, frame.depth, off).items():
                 if count:
                     out["lies"].append(f"{name}, {method}, eps {eps:g}: {count} times {what}")
             proven = frame.status == Status.HIT
             rows.append([eps, int((simple & proven).sum()), int((frame.status == Status.UNRESOLVED).sum())])
         if rows:
             out["methods"][str(method)] = rows
+        most = max(rows, key=lambda r: r[2], default=[0, 0, 0])
+        if method in TRACING and most[2] and (more := spent(s, size, method, most[0])):
+            out["spent"].append(f"{name}, {method}, eps {most[0]:g}: {more} pixels")
     return out
 
 
@@ -107,6 +122,9 @@ def report(surfaces: dict[str, Any], formulas: dict[str, Any], size: int) -> int
     print(f"\n{len(formulas)} formulas, {with_hits} of them with hits\n")
     head = ["method", "eps", "rays", "simple roots", "of them HIT", "UNRESOLVED", "undecided by the reference"]
     print(table(head, [[m, f"{e:g}", c["rays"], c["simple"], f"{c['hits'] / c['simple']:.4f}", c["unresolved"], c["undecided"]] for (m, e), c in sums.items()]))
+    for one in surfaces.values():
+        for what in one["spent"]:
+            print("the default budget was spent:", what)
     lied = [lie for part in (surfaces, formulas) for one in part.values() for lie in one["lies"]]
     print("\nno status lied" if not lied else "\n" + "\n".join(lied))
     return len(lied)

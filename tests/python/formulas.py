@@ -81,6 +81,8 @@ def check(
                 early = proven & (truth.kind == Status.UNRESOLVED) & (high < truth.bracket[:, 0])
             assert not apart.any(), f"bracket without its root: {where}: ray {np.flatnonzero(apart)[0]} of seed {seed}"
             assert not early.any(), f"HIT before any zero: {where}: ray {np.flatnonzero(early)[0]} of seed {seed}"
+            behind = (hits.status == Status.UNRESOLVED) & found & (truth.bracket[:, 1] < hits.t)
+            assert not behind.any(), f"UNRESOLVED behind a root: {where}: ray {np.flatnonzero(behind)[0]} of seed {seed}"
             simple = truth.kind == Status.HIT
             counts[method, eps] = {
                 "rays": size, "simple": int(simple.sum()), "hits": int((simple & proven).sum()),
