@@ -100,7 +100,7 @@ class AffineEmitter {
   void emit(Value v) {
     const Instruction& in = program_[v];
     const Operator& op = describe(in.code);
-    if (is_condition(in.code) || op.ranged || !(op.affine || in.code == Code::Power || in.code == Code::Polynomial || op.arity == 0))
+    if (is_condition(in.code) || in.code == Code::Undefined || op.ranged || !(op.affine || in.code == Code::Power || in.code == Code::Polynomial || op.arity == 0))
       return emit_ranged(v);
     // What has forgotten where on the ray it is gains nothing from forms.
     if (in.a >= 0 && only_range(in.a) && only_range(in.b)) {

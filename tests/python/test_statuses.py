@@ -22,6 +22,19 @@ def test_random_formulas(seed: int) -> None:
             assert c["hits"] >= 0.98 * c["simple"], f"{method}, eps {eps}: {c}"
 
 
+def test_pieces_that_cover_only_a_part() -> None:
+    """Affine kernels were not made where no case of a Piecewise holds: libFuzzer's smallest input."""
+    counts = check("Piecewise((x^2 + y^2 + z^2 - 1, x < y))", 200, 1, ("ia", "raa", "contract", "mitchell"), (1e-3,))
+    assert all(c["hits"] > 20 for c in counts.values())
+
+
+def test_windows_whose_root_is_their_end() -> None:
+    """Newton steps make them points, and cannot cut those: the march goes on there. They were cut until the budget was spent."""
+    origins, directions = [(3.75, 1.0625, -3.4375), (1.5, 2.8125, 3.5625), (-2.8125, 1.5, 3.5625)], [(-8, -2, 7), (-4, -6, -8), (6, -4, -8)]
+    hits = irt.trace("x^2 + y^2 - z^2", origins, directions, bounds=1, method="ia", precision="single", max_pieces=1000)
+    assert (hits.status == irt.Status.HIT).all()
+
+
 def test_half_of_the_formulas_have_hits() -> None:
     rng = np.random.default_rng(5)
     o, hits = rng.normal(size=(60, 3)) * 2, 0
