@@ -12,9 +12,11 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from conftest import working_devices
 
 import implicitrt as irt
 from implicitrt import _core
@@ -68,6 +70,19 @@ def test_cached_programs_are_not_built_again_and_the_cache_is_bounded() -> None:
     for source in fresh[5:]:
         _core.build_kernel(device, source, "k")
     assert device.builds == before + 96 and _resident() - resident < 16 << 20
+
+
+def test_formulas_past_the_cap_of_programs_are_forgotten() -> None:
+    """What two hundred formulas leave behind; 66 do, since a device keeps 64 programs: each costs a quarter of a second."""
+    device = f"{working_devices()[0].driver}:4"
+
+    def builds(k: int) -> int:
+        f = f"x^2 + {k}/7 y^2 - z"
+        return irt.trace(f, (0, 0, 5), (0, 0, -1), bounds=1, method="ia", precision="single", rounding="fast", device=device).stats.builds
+
+    with ThreadPoolExecutor(2) as threads:
+        assert list(threads.map(builds, range(66))) == [1] * 66
+    assert builds(65) == 0 and builds(0) == 1
 
 
 def test_threads_build_at_once() -> None:
