@@ -50,6 +50,8 @@ static inline FW gather(__global const wide* from, __global const int* index) {
   }
 #endif
 
+#define EARLIEST(ray) ((F)0)  // no depth is reported before it
+
 static inline RAY make_ray(RAY_DECL, __global const real* q, size_t column, size_t row) {
   RAY r;
   AXIS(r.px, r.dx, r.ex, r.wpx, r.wdx, 0)

@@ -15,6 +15,9 @@
 #define SET(v, w, term) v = term;
 #endif
 
+// No t is reported before 0 where none before it counts; where some do, rounding may go a little before the first.
+#define EARLIEST(ray) SELECT(LT(NARROW((ray)->tau + WIDEN((ray)->near_in)), (F)0), -INF, (F)0)
+
 static inline RAY make_ray(RAY_DECL, __global const real* q, size_t column, size_t row) {
   RAY r;
   SET(r.px, r.wpx, RAY_TERM(0))

@@ -56,12 +56,12 @@ static inline void write_misses(const PLACE at, RESULTS_DECL) {
 
 static inline void write_results(const RAY* ray, const ROOT* root, const PLACE at, __global const real* q, RESULTS_DECL PARAMETERS) {
   const I found = EQ(root->status, HIT) | EQ(root->status, TOUCH);
-  const F s = NARROW(root->at), t = max(NARROW((ray->tau + root->at) * ray->length), (F)0), length = NARROW(ray->length);
+  const F s = NARROW(root->at), t = max(NARROW((ray->tau + root->at) * ray->length), EARLIEST(ray)), length = NARROW(ray->length);
   // Half the width of the bracket, and the rounding of t.
 #if IRT_SPLIT
-  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(0.75) * ULP * t + (F)POSITION_PAD);
+  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(0.75) * ULP * fabs(t) + (F)POSITION_PAD);
 #else
-  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (t + (F)POSITION_PAD));
+  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (fabs(t) + (F)POSITION_PAD));
 #endif
   PUT(F, SELECT(EQ(root->status, MISS), INF, t), depth);
   PUT(BYTES, TO_BYTES(root->status), status);

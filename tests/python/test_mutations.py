@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import working_devices
 from mutations import Judge, Pad, all_pads, looks_at
 
+import implicitrt as irt
 from implicitrt import _core
 
 KERNELS = Path(_core.__file__).resolve().parent / "kernels"
@@ -38,6 +41,36 @@ def test_unchanged_pads_hold(judge: Judge) -> None:
     assert (
         judge.lost(pad, 1.0, [("x*y", "raa", "plain"), ("sin(x)", "raa", "plain"), ("tanh(x)", "ia", "plain")]) is None
     )
+
+
+def _planes_lost(folder: Path) -> int:
+    """Rays through x = 65/64, near a face of the bounds, that kernels in a folder get wrong: roots are known exactly."""
+    rng = np.random.default_rng(4)
+    n = 6000
+    p = np.column_stack([np.full(n, 65 / 64), rng.uniform(-1, 1, (n, 2))])
+    d = rng.normal(size=(n, 3))
+    d[:, 0] += np.copysign(0.1, d[:, 0])
+    o = p - rng.uniform(0.1, 4, (n, 1)) * d
+    t = (65 / 64 - o[:, 0].astype(np.longdouble)) / d[:, 0]
+    _core.set_kernel_directory(str(folder))
+    hits = irt.trace("x - 65/64", o, d, bounds=1.03, method="contract", precision="single", eps=1e-7)
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(t - hits.t) > hits.uncertainty
+    return int(((hits.status == irt.Status.MISS) | (hits.status == irt.Status.HIT) & apart).sum())
+
+
+def test_a_smaller_pad_of_positions_is_noticed(tmp_path: Path) -> None:
+    shutil.copytree(KERNELS, tmp_path / "kernels")
+    path = tmp_path / "kernels" / "path.cl"
+    text = path.read_text()
+    smaller = text.replace("R(1.05) * ULP", "R(0.4) * ULP")
+    assert smaller != text
+    try:
+        assert _planes_lost(KERNELS) == 0
+        path.write_text(smaller)
+        assert _planes_lost(path.parent) > 0
+    finally:
+        _core.set_kernel_directory(str(KERNELS))
 
 
 def test_every_function_that_pads_is_looked_at() -> None:

@@ -35,6 +35,16 @@ def test_windows_whose_root_is_their_end() -> None:
     assert (hits.status == irt.Status.HIT).all()
 
 
+@pytest.mark.parametrize("method", ["ia", "contract", "mitchell", "frustum-newton", "analytic"])
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_zeros_behind_the_origin(method: str, precision: str) -> None:
+    """Their depth is negative; it was 0."""
+    hits = irt.trace("x", [(0.5, 0, 0), (0.25, 0, 0.5)], (1, 0.5, 0), tmin=-3, bounds=1, method=method, precision=precision)
+    assert np.abs(hits.t - [-0.5, -0.25]).max() < 1e-6 and (hits.status == irt.Status.HIT).all()
+    if method != "analytic":
+        assert (np.abs(hits.t - [-0.5, -0.25]) <= hits.uncertainty).all() and (hits.uncertainty > 0).all()
+
+
 def test_half_of_the_formulas_have_hits() -> None:
     rng = np.random.default_rng(5)
     o, hits = rng.normal(size=(60, 3)) * 2, 0
