@@ -16,13 +16,13 @@ class AffineEmitter {
  public:
   AffineEmitter(const Program& program, Precision precision, bool infinite)
       : program_(program), precision_(precision), infinite_(infinite), has_form_(program.code.size()), has_range_(program.code.size()),
-        endless_(program.code.size()) {}
+        loses_(program.code.size()) {}
 
   Emitted run() {
     out_.files = {"interval.cl", "affine.cl"};
     for (Value v = 0; v < static_cast<Value>(program_.code.size()); ++v)
       if (!program_.is_constant(v) || v == program_.result) emit(v);
-    const bool ranged = program_.derivative || only_range(program_.result) || endless_[static_cast<std::size_t>(program_.result)];
+    const bool ranged = program_.derivative || only_range(program_.result) || loses_[static_cast<std::size_t>(program_.result)] == kEnd;
     const std::string result = ranged ? range(program_.result) : form(program_.result);
     out_.range_result = ranged;
     const std::string region = range(program_.clip), numerator = range(program_.numerator);
@@ -37,7 +37,7 @@ class AffineEmitter {
   const Program& program_;
   Precision precision_;
   bool infinite_;
-  std::vector<char> has_form_, has_range_, endless_;
+  std::vector<char> has_form_, has_range_, loses_;
   std::set<long> powers_;
   std::string text_;
   Emitted out_;
@@ -79,21 +79,25 @@ class AffineEmitter {
     emit_inherited(program_, v, text_);
   }
 
-  // What has lost its upper or lower end in one of its operands; forms cannot hold half-infinite ranges, so its ranges go
-  // along with the forms.
-  bool endless(Value v) const {
-    if (v < 0) return false;
+  // What forms lose and ranges keep, so that ranges go along with the forms from there on. A range that has lost an end is none of a form. One
+  // that jumps stays as wide in the shortest piece: later forms of it, as squares, reach where nothing is.
+  static constexpr char kNothing = 0, kJump = 1, kEnd = 2;
+
+  char loses(Value v) const {
     switch (program_[v].code) {
       case Code::Recip:
       case Code::Div:
       case Code::Log:
       case Code::Tan:
-      case Code::Pow: return true;
+      case Code::Pow: return kEnd;
       case Code::Exp:
       case Code::Sinh:
-      case Code::Cosh: return infinite_;
-      case Code::RealPower: return program_[v].value.lo < 0;
-      default: return false;
+      case Code::Cosh: return infinite_ ? kEnd : kNothing;
+      case Code::RealPower: return program_[v].value.lo < 0 ? kEnd : kNothing;
+      case Code::Atan2:
+      case Code::Mod:
+      case Code::Select: return kJump;
+      default: return kNothing;
     }
   }
 
@@ -109,16 +113,17 @@ class AffineEmitter {
       return define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
     emit_form(v);
-    if (!(endless_[static_cast<std::size_t>(v)] = inherits(in)) || has_range_[static_cast<std::size_t>(v)]) return;
+    if (!(loses_[static_cast<std::size_t>(v)] = inherits(in)) || has_range_[static_cast<std::size_t>(v)]) return;
     const std::string a = range(in.a), b = range(in.b);
     text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), name(v), interval_rule(program_, v, a, b, precision_, powers_));
     has_range_[static_cast<std::size_t>(v)] = 1;
   }
 
-  bool inherits(const Instruction& in) const {
+  char inherits(const Instruction& in) const {
+    char most = kNothing;
     for (Value w : {in.a, in.b, in.c})
-      if (w >= 0 && endless_[static_cast<std::size_t>(w)]) return true;
-    return false;
+      if (w >= 0) most = std::max(most, loses_[static_cast<std::size_t>(w)]);
+    return most;
   }
 
   // Operators whose affine rule needs no ranges.
@@ -162,7 +167,7 @@ class AffineEmitter {
     } else {
       define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
-    endless_[static_cast<std::size_t>(v)] = endless(v) || inherits(in);
+    loses_[static_cast<std::size_t>(v)] = std::max(loses(v), inherits(in));
     const bool chooses = in.code == Code::Select;
     if (!op.affine || (chooses ? only_range(in.b) && only_range(in.c) : only_range(in.a) && only_range(in.b))) return;
     out_.files.insert(op.affine_file);

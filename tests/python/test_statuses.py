@@ -45,6 +45,13 @@ def test_zeros_behind_the_origin(method: str, precision: str) -> None:
         assert (np.abs(hits.t - [-0.5, -0.25]) <= hits.uncertainty).all() and (hits.uncertainty > 0).all()
 
 
+def test_forms_keep_the_ranges_of_what_jumps() -> None:
+    """Where atan2 jumps it is as wide in the shortest piece, and forms of later squares reached a pole that is not there."""
+    f = "(1 + (atan2(z - 3/4 y, atan(x/2 - 2y - 2z + 3/4)))^2)^(-2) + 5/16"
+    for method in ("raa", "contract"):
+        assert irt.render(f, bounds=1.5, size=(40, 30), method=method, precision="single", outputs=()).stats.counts["MISS"] == 1200
+
+
 def test_half_of_the_formulas_have_hits() -> None:
     rng = np.random.default_rng(5)
     o, hits = rng.normal(size=(60, 3)) * 2, 0
