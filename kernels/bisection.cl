@@ -45,7 +45,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const F rounding = fma((F)(R(2.0) * ULP), fabs(NARROW(ray->tau)) + (F)RADIUS, R(2.0) * (F)POSITION_PAD / NARROW(ray->length)) / path.unit;
   const I first_halt = longest_step(wanted - rounding);
 #endif
-  I stop = first_stop, halt = first_halt;
+  // A bracket (sharpen.cl) is a window as it is.
+  I stop = first_stop, halt = IRT_SHARPENS && IRT_ALONG ? PATH_END : first_halt;
   I active = LE(range->out0, range->out1), marching = active, proving = NONE, hits = NONE, open = NONE;
   I position = NONE, step = PATH_END, tries = NONE;
   I above = NONE, below = NONE;  // the sign of f at `position`, if it is known

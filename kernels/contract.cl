@@ -8,7 +8,7 @@
 // candidate and is proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it
 // inside the clip region where there is one (IRT_CLIP). Few lanes ever come to that, so its bookkeeping is left out where none has.
 #define UNITS ((F)PATH_END_REAL)
-#define FIRST_STEP ((F)(PATH_END_REAL / 8))
+#define FIRST_STEP (IRT_SHARPENS ? UNITS : (F)(PATH_END_REAL / 8))
 // How far the rounding of a contracted end to units may be off.
 #define SLACK R(1.25)
 #define FLOOR ((F)4)   // units: no contracted piece is much shorter, because its ends are rounded outward

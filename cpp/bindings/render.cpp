@@ -114,6 +114,7 @@ render::Previous previous_of(const py::handle& given) {
 render::Options picture_options(const py::dict& request, const program::Program& program) {
   render::Options o = options_of(request, program);
   o.eps = get<double>(request, "eps");
+  if (request.contains("first_eps")) o.first_eps = get<double>(request, "first_eps");
   if (request.contains("max_pieces")) o.max_pieces = get<int>(request, "max_pieces");
   const auto want = get<std::set<std::string>>(request, "want");
   o.normal = want.count("normal") > 0;

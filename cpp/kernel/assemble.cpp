@@ -45,6 +45,7 @@ std::string prelude(const Spec& spec) {
     define("IRT_PIECES", spec.pieces);
     define("IRT_SPLIT", spec.split);
     define("IRT_BEAMS", spec.beams);
+    define("IRT_SHARPENS", spec.sharpens);
     if (spec.beams) {
       const Tiling tiling(spec.width);
       define("PACKET_WIDTH", tiling.packet_width);
@@ -216,7 +217,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
     include("results.cl");
-    include(spec.beams ? "beams.cl" : "trace.cl");
+    include(spec.beams ? "beams.cl" : spec.sharpens ? "sharpen.cl" : "trace.cl");
   }
   if (text.size() > limits::kSourceBytes)
     throw LimitError(fmt::format("the kernel's source has {} bytes; the limit is {}; shorten the formula", text.size(),

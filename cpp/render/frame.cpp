@@ -31,10 +31,12 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   return with_options(spec, options);
 }
 
-Answer pass(const program::Program& program, const View& view, const Bounds& bounds, const Options& options,
-            device::Device& device, Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch) {
+// All pixels, or those of a list; or, where there is a frame `before` in single precision, what it has found (kernels/sharpen.cl).
+Answer pass(const program::Program& program, const View& view, const Bounds& bounds, const Options& options, device::Device& device,
+            Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch, const Answer* before = nullptr) {
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, pixels ? kernel::Entry::PixelList : kernel::Entry::Camera);
-  spec.beams = !pixels && beams_in(options, static_cast<std::size_t>(view.columns) * view.rows);
+  spec.sharpens = before != nullptr;
+  spec.beams = !pixels && !before && beams_in(options, static_cast<std::size_t>(view.columns) * view.rows);
   const Precision wide = spec.split ? Precision::Double : precision;
   const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
@@ -50,7 +52,45 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
     list_buffer = device.buffer(list->data(), list->bytes(), device::Access::read);
     inputs.emplace_back(list_buffer.get());
   }
-  launch(program, spec, std::move(inputs), settings, {}, options, device, answer);
+  std::vector<device::Arg> more;
+  std::vector<std::unique_ptr<device::Buffer>> brackets;
+  if (before) {
+    for (const auto& m : {before->depth, before->uncertainty, before->status}) {
+      brackets.push_back(device.buffer(m->data(), m->bytes(), device::Access::read));
+      more.emplace_back(brackets.back().get());
+    }
+    more.emplace_back(static_cast<std::int32_t>(before->pitch));
+  }
+  launch(program, spec, std::move(inputs), settings, std::move(more), options, device, answer);
+  return answer;
+}
+
+// Single precision proves brackets as narrow as it easily can, and double narrows them: it has to march nowhere.
+Answer sharpened(const program::Program& program, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+  kernel::Spec spec = spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::Camera);
+  spec.sharpens = true;
+  prepare(program, spec, device);  // while the other kernel is built
+  const auto part = [&](Options o, double from, double to) {
+    if (options.control.progress) o.control.progress = [&options, from, to](double done) { options.control.progress(from + done * (to - from)); };
+    return o;
+  };
+  Options bare = part(options, 0, 0.75);
+  bare.eps = options.first_eps;
+  bare.normal = bare.rgb = false;
+  const Answer before = pass(program, view, bounds, bare, device, Precision::Single, nullptr, 0);
+  Options rest = part(options, 0.75, 1);
+  // What is found is shaded, even if it is too late to find more.
+  if (before.outcome != device::Outcome::done) rest.control.deadline = std::chrono::steady_clock::time_point::max();
+  Answer answer = pass(program, view, bounds, rest, device, Precision::Double, nullptr, 0, &before);
+  if (answer.outcome == device::Outcome::done) answer.outcome = before.outcome;
+  answer.width = before.width;
+  answer.builds += before.builds;
+  answer.build_seconds += before.build_seconds;
+  answer.launch_seconds += before.launch_seconds;
+  answer.kernel_seconds += before.kernel_seconds;
+  for (std::size_t row = 0; answer.pieces && row < answer.rows; ++row)
+    for (std::size_t i = 0; i < answer.columns; ++i)
+      answer.pieces->as<std::uint32_t>()[row * answer.pitch + i] += before.pieces->as<std::uint32_t>()[row * before.pitch + i];
   return answer;
 }
 
@@ -98,9 +138,11 @@ void shade_by_neighbours(Answer& answer, const program::Program& program, const 
 
 Answer camera_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds,
                      const Options& options, device::Device& device, const std::vector<std::size_t>* pixels, std::size_t pitch) {
-  const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
-  const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
-  Answer answer = pass(program, view, bounds, options, device, first, pixels, pitch);
+  // Lists begin in double where frames begin with brackets.
+  const bool sharpens = options.first_eps > 0 && !pixels;
+  const Precision first = options.precision == PrecisionMode::Double || options.first_eps > 0 ? Precision::Double : Precision::Single;
+  const bool second = options.precision == PrecisionMode::Auto && device.info().fp64 && (sharpens || first == Precision::Single);
+  Answer answer = sharpens ? sharpened(program, view, bounds, options, device) : pass(program, view, bounds, options, device, first, pixels, pitch);
   if (!second || answer.outcome != device::Outcome::done) return answer;
   const auto named = [&](std::vector<std::size_t> which) {
     if (pixels)

@@ -17,8 +17,13 @@ from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
 from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 
-# Where eps is below so many times what single precision resolves, or what it blurs zeros of the formula by is so many times eps, it leaves
-# so much open that starting in double is quicker (docs/speed-accuracy.md, docs/architecture.md).
+# Where eps is below so many times what single precision resolves, frames by these root finders take two passes: single precision proves brackets
+# of BRACKETS times that, which it does quickly, and double narrows them down to eps (docs/performance.md). Below FINEST times that double cannot
+# reach eps either, and would look twice.
+BLUNT, BRACKETS, FINEST = 30.0, 300.0, 2.0**-22
+SHARPENED = {"bisection", "contract", "mitchell"}
+# Everything else begins in double where eps is below so many times what single precision resolves, or what it blurs zeros of the formula by is so
+# many times eps: it would leave nearly all of it open (docs/speed-accuracy.md, docs/architecture.md).
 HOPELESS = 3.0
 
 
@@ -44,11 +49,14 @@ def finder_request(
     opening = time.perf_counter() - asked
     one_of(precision, "precision", ("auto", "single", "double"))
     values = request_parameters(f, expr, params, bounds)
+    first_eps = 0.0
     if precision == "auto":
-        if opened.fp64 and (
-            width * shortest < HOPELESS * bounds.single_resolution
-            or (entry.marches and _blur(expr, isovalue, bounds, values) > HOPELESS * width * shortest)
-        ):
+        resolved = bounds.single_resolution
+        blur = _blur(expr, isovalue, bounds, values) if opened.fp64 and entry.marches else 0.0
+        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED
+        if sharpened and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
+            first_eps = BRACKETS * resolved
+        elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
             precision = "double"
         elif entry.steps:
             precision = "single"
@@ -67,6 +75,7 @@ def finder_request(
         # What samples proves nothing, however it rounds.
         "rounding": rounding if entry.method.guarantee == "inclusion" else "fast",
         "eps": width,
+        "first_eps": first_eps,
         "params": values,
         "isovalue": None if isovalue is None else finite(isovalue, "isovalue"),
         # Enough for the shortest steps of the adaptive march.

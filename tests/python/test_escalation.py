@@ -13,7 +13,7 @@ FEW = {
     "region": "x^2 + y^2 + z^2 - 2.0625",
 }
 EPS = {
-    "sphere": 2e-5,
+    "sphere": 1e-4,
     "waves": 2e-3,
     "region": 1e-4,
 }  # at which silhouettes stay open in single precision, and little else
