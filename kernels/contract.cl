@@ -7,6 +7,8 @@
 // is left is short enough it is a HIT. Where that does not happen (f is a range there, or rounding drowns it) a short piece is a
 // candidate and is proven as in bisection.cl: sign at the start known, opposite sign behind the end, f continuous between, all of it
 // inside the clip region where there is one (IRT_CLIP). Few lanes ever come to that, so its bookkeeping is left out where none has.
+//
+// Where all roundings of f together have a bound (IRT_SLACK), forms have that in z instead of a pad for each operation, unless it is too coarse.
 #define UNITS ((F)PATH_END_REAL)
 #define FIRST_STEP (IRT_SHARPENS ? UNITS : (F)(PATH_END_REAL / 8))
 // How far the rounding of a contracted end to units may be off.
@@ -51,6 +53,21 @@ static inline CUT contract(FORM f, F from, F step) {
   return cut;
 }
 
+#if IRT_SLACK && !FORM_IS_RANGE
+#define COARSE R(8.0)  // where a COARSEth of the radius is less than the bound of all roundings, pads are tighter
+
+// f by arithmetic without pads, with the bound of all its roundings in z: x, y and z together are off by no more. `coarse`: pads would be tighter.
+static inline FORM enclose_cheaply(const PATH* path, F from, F to PARAMETERS, I* coarse) {
+  const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
+  const RA x = coordinate(ALONG(path, x, middle), span * path->ux, ERROR_UNTIL(path, x, to)),
+           y = coordinate(ALONG(path, y, middle), span * path->uy, ERROR_UNTIL(path, y, to)),
+           z = coordinate(ALONG(path, z, middle), span * path->uz, ERROR_UNTIL(path, z, to));
+  const BARE f = bare(bare_ra(x.x, x.y, x.z), bare_ra(y.x, y.y, y.z), bare_ra(z.x, z.y, z.z) PARAMETERS_PASS);
+  *coarse = GT(COARSE * f.slack, f.radius);
+  return ra(f.form.x, f.form.y, (f.form.z + f.slack) * (R(1.0) + R(2.0) * ULP));
+}
+#endif
+
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER) {
   PATH path = make_path(ray, range, q);
   // The longest bracket, and the longest step whose piece and margin make one.
@@ -92,7 +109,14 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     COUNT(active)
     I undefined, rough;
     REGION_VARIABLES
+#if IRT_SLACK && !FORM_IS_RANGE
+    I coarse;
+    FORM f = enclose_cheaply(&path, from, to PARAMETERS_PASS, &coarse);
+    undefined = rough = NONE;
+    if (ANY(active & coarse & ~nonzero(f))) f = enclose(&path, from, to PARAMETERS_PASS, &undefined, &rough REGION_OUT);
+#else
     const FORM f = enclose(&path, from, to PARAMETERS_PASS, &undefined, &rough REGION_OUT);
+#endif
     const I sure = nonzero(f) & ~undefined, marches = active & ~proving;
     const F tells = SELECT(sure, leaning(f), (F)0);
     const I skips = marches & (sure | undefined | outside), left = marches & ~skips;

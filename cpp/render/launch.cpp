@@ -138,8 +138,8 @@ void set_enclosures(kernel::Spec& spec, const program::Program& program, const B
     spec.infinite = spec.infinite || (derivative && needs_infinities(*derivative, coordinates, options, spec.precision));
     return;
   }
-  // Bisection marches without pads where nothing overflows.
-  spec.slack = options.outward && options.finder == "bisection" && !spec.infinite;
+  // Bisection and contraction march without pads where nothing overflows.
+  spec.slack = options.outward && !spec.infinite && (options.finder == "bisection" || (options.finder == "contract" && options.affine));
   // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
   // where a clip formula is to be proven along with each bracket; nor where Min or Max choose, at whose edges the derivative jumps: that
   // gains a tenth at best, and doubles what the driver has to compile.
