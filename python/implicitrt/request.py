@@ -12,7 +12,7 @@ from implicitrt import _core
 from implicitrt.arguments import finite, one_of, positive, request_parameters
 from implicitrt.bounds import Bounds
 from implicitrt.devices import open_device
-from implicitrt.errors import ArgumentError, MethodError
+from implicitrt.errors import ArgumentError, LimitError, MethodError
 from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
 from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
@@ -21,7 +21,7 @@ from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 # of BRACKETS times that, which it does quickly, and double narrows them down to eps (docs/performance.md). Below FINEST times that double cannot
 # reach eps either, and would look twice.
 BLUNT, BRACKETS, FINEST = 30.0, 300.0, 2.0**-22
-SHARPENED = {"bisection", "contract", "mitchell"}
+SHARPENED = {"bisection", "contract", "mitchell"}  # contraction of polynomials marches in double as quickly as it takes two passes
 # Everything else begins in double where eps is below so many times what single precision resolves, or what it blurs zeros of the formula by is so
 # many times eps: it would leave nearly all of it open (docs/speed-accuracy.md, docs/architecture.md).
 HOPELESS = 3.0
@@ -53,7 +53,7 @@ def finder_request(
     if precision == "auto":
         resolved = bounds.single_resolution
         blur = _blur(expr, isovalue, bounds, values) if opened.fp64 and entry.marches else 0.0
-        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED
+        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED and not (entry.finder == "contract" and _polynomial(expr))
         if sharpened and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
             first_eps = BRACKETS * resolved
         elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
@@ -86,6 +86,13 @@ def finder_request(
         "opening": opening,
     } | bounds.request()
     return request, reason
+
+
+def _polynomial(expr: Expr) -> bool:
+    try:
+        return expr.degree() is not None
+    except LimitError:
+        return False
 
 
 def _blur(expr: Expr, isovalue: float | None, bounds: Bounds, values: Mapping[str, float]) -> float:
