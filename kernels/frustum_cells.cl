@@ -3,53 +3,37 @@
 // A tile's cells come front to back; what lies between them is proven free of zeros (cpp/numerics/frustum_form.h). The method's own
 // file finds the first root within a cell. Coefficients of a cell are scaled to lie within [-2, 2], with one bound of their error.
 //
-// tiles: where each tile's cells begin. slabs: for each cell s at its near end, its length, its error. form: [down][depth][across], and a
-// packet more behind the last. basis: the view (VIEW), then B_i and its derivative at the centres of a tile's pixels.
-#define PLANE ((N * N + W - 1) / W * W)
-#define SUMS 4  // at a time: one waits for each of its terms
+// tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they begin. slabs: s at
+// its near end, its length, its error. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
+// `terms` polynomials and their slopes at the centres of a tile's pixels.
+#define PLANE (N * IRT_MOST_TERMS + W)
+#if IRT_DEGREE <= 12
+#define SUMS N
+#else
+#define SUMS 4
+#endif
+#define CELL_STEP 16
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, and that of the frame before
-#define ACROSS(i) (basis + 16 + (i) * IRT_TILE)
-#define SLOPE(i) (basis + 16 + (N + (i)) * IRT_TILE)
+#define ACROSS (basis + 16)
+#define SLOPE (basis + 16 + terms * IRT_TILE)
 
 // A form contracted with a row, once for all lanes: [depth][across].
-static inline void contract_row(__global const real* form, int row, __global const real* down, real* plane) {
-  for (int first = 0; first < PLANE; first += SUMS * W) {
-    F sums[SUMS];
-    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = (F)0;
-    for (int j = 0; j < N; ++j) {
-      const F weight = (F)down[j * IRT_TILE + row];
-      UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) {
-        const int b = min(first + m * W, PLANE - W);
-        sums[m] = fma(LOAD(form + j * N * N + b), weight, sums[m]);
-      }
-    }
-    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) STORE(sums[m], plane + min(first + m * W, PLANE - W));
+static inline void contract_row(__global const real* form, int row, __global const real* polynomials, int down, int count, real* plane) {
+  for (int first = 0; first < count; first += W) {
+    F sum = (F)0;
+    for (int j = 0; j < down; ++j) sum = fma(LOAD(form + j * count + first), (F)polynomials[j * IRT_TILE + row], sum);
+    STORE(sum, plane + first);
   }
-}
-
-// Whether the form has one sign on the whole row.
-static inline bool row_free(const real* plane, real error) {
-#if N * N < W
-  return false;
-#else
-  F low = LOAD(plane + N * N - W), high = low;
-  for (int b = 0; b + W <= N * N; b += W) {
-    const F v = LOAD(plane + b);
-    low = min(low, v);
-    high = max(high, v);
-  }
-  return !ANY(LE(low, (F)error)) || !ANY(GE(high, (F)-error));
-#endif
 }
 
 // And with the columns: coefficients along the rays of a packet.
-static inline void contract_columns(const real* plane, int column, __global const real* across, F* c) {
+static inline void contract_columns(const real* plane, int column, __global const real* polynomials, int across, F* c) {
   for (int first = 0; first < N; first += SUMS) {
     F sums[SUMS];
     UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = (F)0;
-    for (int i = 0; i < N; ++i) {
-      const F weight = LOAD(across + i * IRT_TILE + column);
-      UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = fma((F)plane[min(first + m, N - 1) * N + i], weight, sums[m]);
+    for (int i = 0; i < across; ++i) {
+      const F weight = LOAD(polynomials + i * IRT_TILE + column);
+      UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = fma((F)plane[min(first + m, N - 1) * across + i], weight, sums[m]);
     }
     UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) c[min(first + m, N - 1)] = sums[m];
   }
@@ -77,20 +61,20 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const F before = TO_F(LOAD(previous + pixel_row * previous_pitch + first)) / NARROW(ray->length) - (F)VIEW(13);
 #endif
   for (int k = on_screen ? tiles[tile] : 0; k < end && ANY(active); ++k) {
-    const real near = slabs[4 * k], length = slabs[4 * k + 1], inverse = R(1.0) / length;
+    const real near = slabs[3 * k], length = slabs[3 * k + 1], inverse = R(1.0) / length;
     const F slack = (F)(R(8.0) * ULP * RADIUS * inverse);
     CELL cell;
     cell.lo = clamp((range->out0 - near) * inverse - slack, (F)0, (F)1);
     cell.hi = clamp((range->out1 - near) * inverse + slack, (F)0, (F)1);
     const I lanes = active & LT(cell.lo, cell.hi);
     if (!ANY(lanes)) continue;
-    __global const real* here = form + (size_t)k * (N * N * N);
+    const int down = shapes[3 * k], across = shapes[3 * k + 1];
+    __global const real* here = form + (size_t)shapes[3 * k + 2] * CELL_STEP;
     real plane[PLANE];
-    contract_row(here, row, ACROSS(0), plane);
-    if (row_free(plane, IRT_OUTWARD ? slabs[4 * k + 2] : R(0.0))) continue;
-    contract_columns(plane, column, ACROSS(0), cell.c);
+    contract_row(here, row, ACROSS, down, N * across, plane);
+    contract_columns(plane, column, ACROSS, across, cell.c);
 #if IRT_OUTWARD
-    cell.error = (F)slabs[4 * k + 2];
+    cell.error = (F)slabs[3 * k + 2];
 #else
     cell.error = (F)0;
 #endif
@@ -117,10 +101,10 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_GRADIENT_FOUND
     if (ANY(found.hits)) {
       F slopes[N];
-      contract_columns(plane, column, SLOPE(0), slopes);
+      contract_columns(plane, column, SLOPE, across, slopes);
       const F along_x = value_at(slopes, IRT_DEGREE, middle);
-      contract_row(here, row, SLOPE(0), plane);
-      contract_columns(plane, column, ACROSS(0), slopes);
+      contract_row(here, row, SLOPE, down, N * across, plane);
+      contract_columns(plane, column, ACROSS, across, slopes);
       const F along_y = value_at(slopes, IRT_DEGREE, middle);
       for (int i = 0; i < IRT_DEGREE; ++i) slopes[i] = IRT_DEGREE * (cell.c[i + 1] - cell.c[i]);
       const F along_s = value_at(slopes, IRT_DEGREE - 1, middle) * inverse;

@@ -1,5 +1,5 @@
 // frustum-newton: ours, the fastest of the frustum form's root finders. As the yardstick of hand-written kernels does, it separates roots
-// by halving only and then leaves Bezier pieces alone: an evaluation costs as many multiplications as a cut has rounds.
+// by cutting and then leaves Bezier pieces alone: an evaluation costs as many multiplications as a cut has rounds.
 //
 // The root of a piece that has exactly one is closed in on by regula falsi with Anderson and Bjorck's weights, and proven between two
 // evaluations beyond all error.
@@ -47,6 +47,24 @@ static inline void close_in(const CELL* cell, const F* c, F a, F b, F sign, I la
   found->hi = SELECT(lanes, b, found->hi);
 }
 
+// Where the control polygon of the derivative first says that the polynomial, positive (times sign), has come down and turns, as a share of the piece: cut
+// there, two roots close together stand alone, and what nearly has two has none, where halving needs a cut for each digit.
+static inline F valley_of(const F* c, F sign) {
+  F at = (F)0, down = (F)0, up = (F)1, before = sign * (c[1] - c[0]);
+  I seen = NONE;
+  EACH for (int k = 1; k < IRT_DEGREE; ++k) {
+    const F step = sign * (c[k + 1] - c[k]);
+    const I turns = ~seen & LT(before, (F)0) & GE(step, (F)0);
+    at = SELECT(turns, (F)(k - 1), at);
+    down = SELECT(turns, -before, down);
+    up = SELECT(turns, step, up);
+    seen |= turns;
+    before = step;
+  }
+  const F share = (at + down / (down + up)) * (R(1.0) / max(IRT_DEGREE - 1, 1));
+  return SELECT(seen, clamp(share, (F)R(0.0625), (F)R(0.9375)), (F)HALF_AND_A_LITTLE);
+}
+
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found) {
   F c[N], front[N], rest[N];
   F a = cell->lo, b = cell->hi, error = begin_with(cell, lanes, c);
@@ -57,7 +75,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   I moves = lanes & ~isolated;
   for (int n = 0; n < MOST_HALVINGS && n < max_pieces && ANY(moves); ++n) {
     COUNT(moves)
-    const F share = cut_near(cell, n, a, b, (F)HALF_AND_A_LITTLE), x = fma(share, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
+    const F share = cut_near(cell, n, a, b, n % 4 == 3 ? (F)HALF_AND_A_LITTLE : valley_of(c, sign)), x = fma(share, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
     cut_at(c, share, front, rest);
     const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind;
     const I done = go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);

@@ -106,11 +106,11 @@ class ClDevice : public Device {
   }
 
   // Reserved before this returns: a frame that comes next waits for this build and does none of its own.
-  void prepare(const std::string& source, const std::string& entry) override {
+  bool prepare(const std::string& source, const std::string& entry) override {
     check_process();
     const std::lock_guard lock(ahead_mutex_);
     Wanted wanted = reserve(source);
-    if (!wanted.promise) return;
+    if (!wanted.promise) return wanted.kernel.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     if (ahead_.joinable()) ahead_.join();
     const auto promise = std::make_shared<Promise>(std::move(*wanted.promise));
     // If the build fails, who needs it will be told.
@@ -120,6 +120,7 @@ class ClDevice : public Device {
     } catch (const std::system_error&) {  // no thread to be had
       work();
     }
+    return false;
   }
 
   void finish() override {

@@ -260,14 +260,14 @@ std::string assemble_frustum(const Spec& spec) {
   const bool gradient = spec.normal || spec.rgb, rays = spec.entry == Entry::RayList;
   const std::string file = spec.finder + ".cl";
   std::string text = prelude(spec) +
-      fmt::format("#define IRT_DEGREE {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n#define IRT_PREVIOUS {}\n", spec.degree, spec.tile, gradient ? 1 : 0,
+      fmt::format("#define IRT_DEGREE {}\n#define IRT_MOST_TERMS {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n#define IRT_PREVIOUS {}\n", spec.degree, limits::kFrustumDegree + 1, spec.tile, gradient ? 1 : 0,
                   spec.previous ? 1 : 0) +
       binomials(spec) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
                           "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n")
-            : fmt::format("#define FORM_ARGUMENTS __global const int *tiles, __global const real *slabs, __global const real *form, "
-                          "__global const real *basis, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows{}\n"
-                          "#define ARGUMENTS_PASS , tiles, slabs, form, basis, tile_x0, tile_y0, tile_columns, tile_rows{}\n",
+            : fmt::format("#define FORM_ARGUMENTS __global const int *tiles, __global const int *shapes, __global const real *slabs, __global const real *form, "
+                          "__global const real *basis, const int terms, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows{}\n"
+                          "#define ARGUMENTS_PASS , tiles, shapes, slabs, form, basis, terms, tile_x0, tile_y0, tile_columns, tile_rows{}\n",
                           spec.previous ? ", __global const float *previous, const int previous_pitch" : "", spec.previous ? ", previous, previous_pitch" : "")) +
       // A list holds whole packets of a frame.
       fmt::format("#define FINDER_PASS , {} ARGUMENTS_PASS\n",

@@ -11,9 +11,11 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "numerics/double_double.h"
 #include "numerics/frustum_cuts.h"
+#include "numerics/frustum_reduce.h"
 
 namespace irt::numerics {
 namespace {
@@ -22,10 +24,13 @@ namespace {
 constexpr double kExactEnough = 1e-7;
 // Cuts of a column of tiles after which double takes over at the latest.
 constexpr int kPreciseCuts = 6;
+// What reduction may lose in each direction, in halves of an ulp of the largest coefficient.
+constexpr double kLost = 4;
 // Least slope of a steady cell, in parts of its largest value.
 constexpr double kSteady = 0.1;
-// Halvings of the depth after which slabs are short enough, but for accuracy.
-constexpr int kUsualDepthCuts = 3;
+// Halvings of the depth after which slabs are short enough, but for accuracy. Where only some tiles are asked for, for few pixels, cells cost more than
+// roots do.
+constexpr int kUsualDepthCuts = 3, kUsualDepthCutsOfFew = 0;
 
 struct Block {
   int y0, y1;       // tiles of a column
@@ -53,8 +58,9 @@ struct Found {
     int x, y;
     Cells::Cell cell;
   };
-  std::vector<Leaf> leaves;
+  std::vector<Leaf> leaves;  // their `begin` is how long they are
   Storage coefficients;
+  std::size_t used = 0;  // bytes
 };
 
 // Coefficients as hi + lo; lo is absent where double is enough.
@@ -65,9 +71,9 @@ struct Form {
 // One column of tiles after another.
 class Cutter {
  public:
-  Cutter(const Frustum& frustum, const Demand& demand, int degree, Found& found)
-      : frustum_(frustum), demand_(demand), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_((n_ + kLanes - 1) / kLanes * kLanes),
-        size_(n_ * n_ * m_), bytes_(n_ * n_ * n_ * (demand.single ? sizeof(float) : sizeof(double))), grow_(degree + 2),
+  Cutter(const Frustum& frustum, const Demand& demand, int degree, const Reduction& reduction, Found& found)
+      : frustum_(frustum), demand_(demand), reduction_(reduction), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_((n_ + kLanes - 1) / kLanes * kLanes),
+        size_(n_ * n_ * m_), grow_(degree + 2),
         slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {}
 
   // `strip` is the form over column x: [across][down][depth].
@@ -104,17 +110,20 @@ class Cutter {
     if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
     if (form.lo && level >= precise_) {
       // In double; and where that fails, once more a cut further on.
-      const std::size_t leaves = found_.leaves.size();
+      const std::size_t leaves = found_.leaves.size(), used = found_.used;
       const std::vector<bool> full = full_;
       const Form copy{at_level(level + 1).hi, nullptr};
       std::copy_n(form.hi, size_, copy.hi);
       strict_ = level < kPreciseCuts;
       if (cut(block, copy, known, level + 1)) return true;
       found_.leaves.resize(leaves);
+      found_.used = used;
       full_ = full;
       precise_ = level + 1;
     }
-    const Axis axis = longest(block, form, known, largest);
+    Axis axis = longest(block, form, known, largest);
+    if (axis == Axis::none && demand_.reduced && !reduction_.run(form.hi, m_, largest, kLost * demand_.unit * largest, block.last - block.first == 1, reduced_))
+      axis = Axis::depth;
     if (axis == Axis::none) return emit(block, form, known, largest);
     const Form buffer = at_level(level + 1), second{buffer.hi, form.lo ? buffer.lo : nullptr};
     Block a = block, b = block;
@@ -185,7 +194,7 @@ class Cutter {
   Axis longest(const Block& b, const Form& form, double error, double largest) const {
     const int parts = b.last - b.first;
     const double length = at(b.last) - at(b.first);
-    const bool long_slab = parts > 1 << (kMostDepthCuts - kUsualDepthCuts);
+    const bool long_slab = parts > 1 << (kMostDepthCuts - (demand_.tiles ? kUsualDepthCutsOfFew : kUsualDepthCuts));
     if (b.y1 - b.y0 > 1) {
       const double middle = at((b.first + b.last) / 2), spread = frustum_.perspective ? std::fabs(frustum_.distance + middle) : 1;
       return long_slab && length >= (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread ? Axis::depth : Axis::down;
@@ -201,7 +210,7 @@ class Cutter {
     const double slope = kSteady * largest / degree + 2 * error;
     if (long_slab && !(steps.least > slope || steps.most < -slope)) return Axis::depth;
     // How far off rounding may put a root, in parts of the slab: where coefficients change their sign most slowly.
-    const double blur = (largest * demand_.rounding + error) / std::max(steps.slowest * degree, 1e-300);
+    const double blur = (largest * rounding() + error) / std::max(steps.slowest * degree, 1e-300);
     return blur * length > 0.25 * demand_.eps ? Axis::depth : Axis::none;
   }
 
@@ -209,7 +218,7 @@ class Cutter {
     int exponent;
     std::frexp(largest, &exponent);
     const double scale = std::ldexp(1.0, 1 - exponent), kept = error * scale + 0x1p-52;
-    if (!form.lo && strict_ && kept > std::max(demand_.rounding, kExactEnough)) return false;
+    if (!form.lo && strict_ && kept > std::max(rounding(), kExactEnough)) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_; ++j)
       for (std::size_t i = 0; i < n_; ++i) {
@@ -218,22 +227,34 @@ class Cutter {
         below = below && first < -error && last > error;
       }
     if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
-    const std::size_t used = found_.leaves.size() * bytes_;
-    found_.coefficients.grow(used + bytes_ + kLanes * sizeof(double), used);
-    std::byte* const to = found_.coefficients.bytes.get() + used;
-    if (demand_.single) {
-      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<float*>(to));
+    const std::size_t depth = static_cast<std::size_t>(demand_.depth) + 1, down = demand_.reduced ? reduced_.down : n_, across = demand_.reduced ? reduced_.across : n_;
+    const std::size_t count = (down * depth * across + kCellStep - 1) / kCellStep * kCellStep, real = demand_.single() ? sizeof(float) : sizeof(double);
+    found_.coefficients.grow(found_.used + count * real + kLanes * sizeof(double), found_.used);
+    std::byte* const to = found_.coefficients.bytes.get() + found_.used;
+    const double* const from = demand_.reduced ? reduced_.values.data() : form.hi;
+    const std::size_t lines = demand_.reduced ? reduction_.padded() : m_;
+    if (demand_.single()) {
+      pack(from, down * depth, across, lines, scale, reinterpret_cast<float*>(to));
     } else {
-      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(to));
+      pack(from, down * depth, across, lines, scale, reinterpret_cast<double*>(to));
     }
-    found_.leaves.push_back({x_, b.y0, {at(b.first), at(b.last), kept}});
+    found_.used += count * real;
+    // Coefficients and both bases are rounded once, and each sum once a term; a term more for the rest.
+    const double weight = demand_.reduced ? reduced_.weight : largest, lost = demand_.reduced ? reduced_.error : 0;
+    const double bound = kept + scale * (lost + static_cast<double>(down + across + 4) * demand_.unit * weight);
+    found_.leaves.push_back({x_, b.y0, {at(b.first), at(b.last), bound, static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(count / kCellStep)}});
     return true;
   }
 
+  // What is to be expected of the kernel's, in parts of the largest coefficient.
+  double rounding() const { return 2 * (demand_.depth + 5) * demand_.unit; }
+
   const Frustum& frustum_;
   Demand demand_;
+  const Reduction& reduction_;
+  Reduction::Reduced reduced_;
   Found& found_;
-  std::size_t n_, m_, size_, bytes_;  // bytes_: of a cell's coefficients
+  std::size_t n_, m_, size_;
   double grow_, slack_;
   int x_ = 0;
   int precise_ = 0;     // cuts that this column needs in sums of two doubles
@@ -313,12 +334,13 @@ Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& d
     return out;
   }
   const Columns strips(f, degree, whole);
+  const Reduction reduction(degree, demand.depth);
   const std::size_t workers = std::min<std::size_t>(strips.count(), std::max(1u, std::thread::hardware_concurrency()));
   std::vector<Found> found(workers);
   for (Found& part : found) part.coefficients = spare().take();
   std::atomic<std::size_t> next{0};
   in_parallel(workers, [&](std::size_t worker) {
-    Cutter cutter(f, demand, degree, found[worker]);
+    Cutter cutter(f, demand, degree, reduction, found[worker]);
     for (std::size_t k; (k = next++) < strips.count();) {
       const Whole& strip = strips.form(k);
       cutter.run(f.tile_x0 + static_cast<int>(k), strip.hi.data(), strip.lo.data(), strip.error);
@@ -329,8 +351,6 @@ Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& d
   for (std::size_t i = 1; i < out.begins.size(); ++i) out.begins[i] += out.begins[i - 1];
   const auto count = static_cast<std::size_t>(out.begins.back());
   out.cells.resize(count);
-  const std::size_t n = static_cast<std::size_t>(degree) + 1, bytes = n * n * n * (demand.single ? sizeof(float) : sizeof(double));
-  auto* const to = static_cast<std::byte*>(room(count));
   std::vector<std::int32_t> at = out.begins;
   std::vector<std::vector<std::int32_t>> places(workers);
   for (std::size_t worker = 0; worker < workers; ++worker)
@@ -338,11 +358,16 @@ Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& d
       places[worker].push_back(at[f.tile_index(leaf.x, leaf.y)]++);
       out.cells[places[worker].back()] = leaf.cell;
     }
+  std::int32_t steps = 0;
+  for (auto& cell : out.cells) steps += std::exchange(cell.begin, steps);
+  const std::size_t bytes = kCellStep * (demand.single() ? sizeof(float) : sizeof(double));
+  auto* const to = static_cast<std::byte*>(room(static_cast<std::size_t>(steps) * kCellStep));
   in_parallel(workers, [&](std::size_t worker) {
     const std::byte* from = found[worker].coefficients.bytes.get();
-    for (const std::int32_t place : places[worker]) {
-      std::copy_n(from, bytes, to + static_cast<std::size_t>(place) * bytes);
-      from += bytes;
+    for (std::size_t k = 0; k < places[worker].size(); ++k) {
+      const std::size_t size = static_cast<std::size_t>(found[worker].leaves[k].cell.begin) * bytes;
+      std::copy_n(from, size, to + static_cast<std::size_t>(out.cells[places[worker][k]].begin) * bytes);
+      from += size;
     }
   });
   for (Found& part : found) spare().give(std::move(part.coefficients));

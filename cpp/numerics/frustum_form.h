@@ -3,7 +3,8 @@
 // A cell is a tile of the screen and a slab of depth. Deviations from S2: the form is composed from the formula itself by
 // Bernstein arithmetic (products are convolutions), not interpolated, so that factors stay factors and nothing cancels that
 // need not; every coefficient carries a bound of its error; and it is cut by de Casteljau's algorithm into cells small
-// enough for single precision. Cells whose coefficients have one sign are proven free of zeros and dropped.
+// enough for single precision, and for fewer coefficients (frustum_reduce.h). Cells whose coefficients have one sign are proven free of zeros and
+// dropped.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -51,24 +52,30 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum);
 struct Cells {
   struct Cell {
     double near, far;  // s
-    double error;      // bounds the error of each coefficient before it is rounded; the largest coefficient lies in [1, 2)
+    double error;      // bounds that of any value along a ray, rounding to the kernel's reals and contraction included; values lie within [-2, 2]
+    std::int32_t down, across;  // lines of coefficients, and how many there are in each
+    std::int32_t begin;         // in steps of kCellStep reals
   };
   std::vector<std::int32_t> begins;  // of each tile in `cells`, row by row, and the end
   std::vector<Cell> cells;
 };
 
+constexpr std::size_t kCellStep = 16;
+
 constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
 
-// How exactly kernels will carry a cell: their rounding, in parts of its largest coefficient, and the width of depth that is asked for; whether
-// they take floats; and the tiles that are asked for, row by row, where it is not all of them.
+// What kernels take: half an ulp of their reals, the width of depth that is asked for, the degree along the depth; whether cells are reduced: then
+// they have Chebyshev polynomials across and down, else Bernstein's; and the tiles that are asked for, row by row, where it is not all of them.
 struct Demand {
-  double rounding, eps;
-  bool single;
+  double unit, eps;
+  int depth;
+  bool reduced;
   const std::vector<bool>* tiles = nullptr;
+
+  bool single() const { return unit > 0x1p-53; }
 };
 
-// The cells of f over the frustum, f being of `degree`. `room` is asked once for memory for the coefficients of so many cells; each has
-// (degree + 1)^3, [j][k][i]: down, depth, across.
+// The cells of f over the frustum, f being of `degree`. `room` is asked once for memory for so many coefficients; cells are [down][depth][across].
 Cells cells_of(const Whole& f, int degree, const Frustum& frustum, const Demand& demand, const std::function<void*(std::size_t)>& room);
 
 }  // namespace irt::numerics

@@ -12,6 +12,7 @@
 #include "expr/build.h"
 #include "expr/calculus.h"
 #include "numerics/frustum_form.h"
+#include "numerics/frustum_reduce.h"
 #include "render/camera_terms.h"
 #include "render/decide.h"
 #include "render/frustum_clip.h"
@@ -23,11 +24,15 @@ namespace {
 
 using program::Precision;
 
-// So few open pixels go the reference's way at once.
-constexpr std::size_t kFewPixels = 64;
+// So few open pixels go the reference's way at once: where the kernel in double has to be built, and where it is there.
+constexpr std::size_t kFewPixels = 64, kVeryFewPixels = 4;
 // With Options::or_march, shares of the frame beyond which open pixels are marched instead, and least numbers.
 constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 256, kReferenceLeast = 256;
-constexpr std::size_t kCellSteps = 256;
+// Cells of floats have this degree along their depth at most.
+constexpr int kReducedDegree = 8;
+// Polynomials of this degree have cells of fewer coefficients.
+constexpr int kLeastReduced = 7;
+constexpr std::size_t kFormStep = 1 << 16, kMoreVectors = 4;
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
 struct Screen {
@@ -127,40 +132,46 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   return screen;
 }
 
-// Rounding of a cell's coefficients, of both bases and of both contractions (kernels/frustum_cells.cl), half an ulp each, in parts of the
-// largest coefficient.
-double rounding_of(int degree, Precision precision) { return (degree + 4) * (precision == Precision::Double ? 0x1p-52 : 0x1p-23); }
+// Whether cells are reduced: of a small degree they have few coefficients to lose, and double precision has few pixels.
+bool reduces(int degree, Precision precision) { return precision == Precision::Single && degree >= kLeastReduced; }
 
-// Cells as buffers: slabs and forms, and a packet more, since kernels load whole ones.
+// Degree along a cell's depth. S2's root finders, whose insertions are compared with S2's, and double precision keep the polynomial's.
+int depth_degree(int degree, const Options& options, Precision precision) {
+  return precision == Precision::Single && options.finder == "frustum_newton" ? std::min(degree, kReducedDegree) : degree;
+}
+
+// Cells as buffers: slabs, shapes and forms, and some vectors more, since kernels load whole ones.
 struct Forms {
-  Memory tiles;
+  Memory tiles, shapes;
   Reals slabs;
   Memory form;
 };
 
 // Of `tiles` only, where these are given (numerics::Demand).
-Forms forms_of(const numerics::Whole& whole, const Screen& screen, const kernel::Spec& spec, const Options& options, const std::vector<bool>* wanted) {
-  const std::size_t n = static_cast<std::size_t>(spec.degree) + 1, size = n * n * n * size_of(spec.precision);
-  const double rounding = rounding_of(spec.degree, spec.precision);
+Forms forms_of(const numerics::Whole& whole, int degree, const Screen& screen, const kernel::Spec& spec, const Options& options, const std::vector<bool>* wanted) {
+  const bool single = spec.precision == Precision::Single;
   std::optional<Memory> form;
-  const numerics::Cells cells = numerics::cells_of(whole, spec.degree, screen.frustum, {rounding, options.eps, spec.precision == Precision::Single, wanted}, [&](std::size_t count) {
-    // Room for whole steps of cells, so that the next frame can often have the same block.
-    form.emplace((count + kCellSteps - 1) / kCellSteps * kCellSteps * size + spec.width * size_of(spec.precision));
-    std::memset(form->as<std::byte>() + count * size, 0, spec.width * size_of(spec.precision));
+  const numerics::Cells cells = numerics::cells_of(whole, degree, screen.frustum, {single ? 0x1p-24 : 0x1p-53, options.eps, spec.degree, reduces(degree, spec.precision), wanted}, [&](std::size_t count) {
+    // Room for whole steps, so that the next frame can often have the same block.
+    const std::size_t size = size_of(spec.precision), more = kMoreVectors * static_cast<std::size_t>(spec.width);
+    form.emplace((count + more + kFormStep - 1) / kFormStep * kFormStep * size);
+    std::memset(form->as<std::byte>() + count * size, 0, more * size);
     return form->data();
   });
-  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Reals(spec.precision, 4 * cells.cells.size()), *form};
+  const std::size_t count = cells.cells.size();
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(3 * count * sizeof(std::int32_t)), Reals(spec.precision, 3 * count), *form};
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
-  for (std::size_t m = 0; m < cells.cells.size(); ++m) {
+  for (std::size_t m = 0; m < count; ++m) {
     const auto& cell = cells.cells[m];
-    out.slabs.set(4 * m, cell.near);
-    out.slabs.set(4 * m + 1, cell.far - cell.near);
-    out.slabs.set_above(4 * m + 2, cell.error + 2 * rounding);
+    out.slabs.set(3 * m, cell.near);
+    out.slabs.set(3 * m + 1, cell.far - cell.near);
+    out.slabs.set_above(3 * m + 2, cell.error);
+    std::copy_n(&cell.down, 3, out.shapes.as<std::int32_t>() + 3 * m);
   }
   return out;
 }
 
-// B_i and its derivative at the centres of a tile's pixels.
+// The polynomials of cells and their slopes at the centres of a tile's pixels.
 Reals basis_of(const Screen& screen, int degree, const Options& options, Precision precision) {
   const std::size_t n = static_cast<std::size_t>(degree) + 1, tile = screen.tile;
   Reals basis(precision, kView + 2 * n * tile);
@@ -175,22 +186,17 @@ Reals basis_of(const Screen& screen, int degree, const Options& options, Precisi
   basis.set(11, f.perspective ? 1 : 0);
   basis.set(12, f.distance);
   if (options.previous) basis.set(13, options.previous->distance);
-  std::vector<double> lower(n), upper(n);
+  std::vector<double> values(n), slopes(n);
   for (std::size_t pixel = 0; pixel < tile; ++pixel) {
     const double u = (static_cast<double>(pixel) + 0.5) / static_cast<double>(tile);
-    std::vector<double> b{1}, previous;
-    for (int d = 1; d <= degree; ++d) {
-      previous = b;
-      b.assign(static_cast<std::size_t>(d) + 1, 0);
-      for (std::size_t i = 0; i < previous.size(); ++i) {
-        b[i] += (1 - u) * previous[i];
-        b[i + 1] += u * previous[i];
-      }
+    if (reduces(degree, precision)) {
+      numerics::chebyshev_at(u, n, values.data(), slopes.data());
+    } else {
+      numerics::bernstein_at(u, n, values.data(), slopes.data());
     }
     for (std::size_t i = 0; i < n; ++i) {
-      basis.set(kView + i * tile + pixel, b[i]);
-      const double left = i > 0 ? previous[i - 1] : 0, right = i < previous.size() ? previous[i] : 0;
-      basis.set(kView + (n + i) * tile + pixel, degree * (left - right));
+      basis.set(kView + i * tile + pixel, values[i]);
+      basis.set(kView + (n + i) * tile + pixel, slopes[i]);
     }
   }
   return basis;
@@ -265,16 +271,17 @@ kernel::Spec cells_spec(const Options& options, const device::Device& device, Pr
 Answer pass(const numerics::Whole& whole, int degree, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
             device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0, const std::vector<bool>* wanted = nullptr) {
   const auto start = std::chrono::steady_clock::now();
-  const kernel::Spec spec = cells_spec(options, device, precision, degree, screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
+  const kernel::Spec spec = cells_spec(options, device, precision, depth_degree(degree, options, precision), screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, precision, options);
-  const Forms forms = forms_of(whole, screen, spec, options, wanted);
+  const Forms forms = forms_of(whole, degree, screen, spec, options, wanted);
   const Reals basis = basis_of(screen, degree, options, precision);
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
-             tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
+             tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read),
+             shapes = device.buffer(forms.shapes.data(), forms.shapes.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
              form = device.buffer(forms.form.data(), forms.form.bytes(), device::Access::read), values = basis.buffer(device);
   std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)};
   std::optional<Memory> list;
@@ -285,7 +292,7 @@ Answer pass(const numerics::Whole& whole, int degree, const Screen& screen, cons
     inputs.emplace_back(pixels.get());
   }
   const numerics::Frustum& f = screen.frustum;
-  std::vector<device::Arg> more{tiles.get(), slabs.get(), form.get(), values.get(), f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0};
+  std::vector<device::Arg> more{tiles.get(), shapes.get(), slabs.get(), form.get(), values.get(), degree + 1, f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0};
   std::unique_ptr<device::Buffer> before;
   if (options.previous) {
     before = device.buffer(options.previous->depth.data(), options.previous->depth.bytes(), device::Access::read);
@@ -392,7 +399,11 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     return true;
   };
   if (marches(kDoubleShare, kDoubleLeast)) return answer;
-  if (first == Precision::Single && open.size() > kFewPixels) {
+  // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes.
+  const bool ready = first == Precision::Single && answer.builds == 0 &&
+                     device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, degree, screen->tile, bounds, kernel::Entry::PixelList)),
+                                    kernel::entry_name(kernel::Entry::PixelList));
+  if (first == Precision::Single && open.size() > (ready ? kVeryFewPixels : kFewPixels)) {
     const std::vector<std::size_t> packets = whole_packets(open, static_cast<std::size_t>(packet_width(device, Precision::Double)));
     const std::vector<bool> tiles = tiles_of(*screen, open, answer.pitch);
     const Answer second = pass(whole, degree, *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch, &tiles);
@@ -406,10 +417,6 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
-  // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes.
-  if (first == Precision::Single && answer.builds == 0)
-    device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, degree, screen->tile, bounds, kernel::Entry::PixelList)),
-                   kernel::entry_name(kernel::Entry::PixelList));
   if (open.empty() || marches(kReferenceShare, kReferenceLeast)) return answer;
   const std::size_t counted = answer.escalated + open.size();
   decide(answer, open, rays_of(view, open, answer.pitch), unclipped, query_of(unclipped, bounds, options), options);
@@ -487,7 +494,7 @@ std::string frustum_source(const Expr& f, const std::map<std::string, double>& p
   view.columns = 640;
   view.rows = 480;
   const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
-  kernel::Spec spec = spec_of(options, device, precision, degree, tile_of(view, degree));
+  kernel::Spec spec = spec_of(options, device, precision, depth_degree(degree, options, precision), tile_of(view, degree));
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   return kernel::assemble_frustum(spec);

@@ -218,7 +218,7 @@ ENTRIES = MappingProxyType({
                        f"S2 section 4.2: {what}"), f"frustum_{name.replace('-', '_')}", "raa", True)
           for name, what in _FRUSTUM_FINDERS.items()),
         Entry(Method("frustum-newton", "polynomials in x, y, z up to degree 32", "inclusion", _FRUSTUM_OPTIONS,
-                     "ours, on the frustum form of S2 section 3: halving until a root stands alone, then evaluations only"),
+                     "ours, on the frustum form of S2 section 3: cutting at valleys until a root stands alone, then evaluations only"),
               "frustum_newton", "raa", True),
         Entry(Method("analytic", "polynomials in x, y, z up to degree 4", "numerical", (),
                      "S3, S4 section 3.1.1: closed forms along the ray"), "analytic", "raa", False, "coefficients", closed_polynomial),
