@@ -109,6 +109,7 @@ class AffineEmitter {
     // What has forgotten where on the ray it is gains nothing from forms.
     if (in.a >= 0 && only_range(in.a) && only_range(in.b)) {
       out_.files.insert(op.interval_file);
+      loses_[static_cast<std::size_t>(v)] = inherits(in);
       const std::string a = range(in.a), b = range(in.b);
       return define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }

@@ -52,6 +52,12 @@ def test_forms_keep_the_ranges_of_what_jumps() -> None:
         assert irt.render(f, bounds=1.5, size=(40, 30), method=method, precision="single", outputs=()).stats.counts["MISS"] == 1200
 
 
+def test_ranges_without_an_end_stay_ranges() -> None:
+    """ceiling(log x)/8 has a range only, and so has z less it: its form was infinite at both ends."""
+    found = irt.enclose_rays("z - ceiling(log(x))/8", (0, 0, 0), (1, 0, 0), 0, 0.9, algebra="raa")
+    assert found[0, 0] > -0.01 and found[0, 1] == np.inf
+
+
 def test_half_of_the_formulas_have_hits() -> None:
     rng = np.random.default_rng(5)
     o, hits = rng.normal(size=(60, 3)) * 2, 0
