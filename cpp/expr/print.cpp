@@ -1,6 +1,7 @@
 // Printing with as few parentheses as the grammar of parse.h allows.
 #include "expr/print.h"
 
+#include <cctype>
 #include <fmt/format.h>
 
 #include "caps.h"
@@ -95,7 +96,7 @@ class Printer {
     if (latex_) {
       const auto join = [](const std::vector<std::string>& parts) {
         std::string t;
-        for (const std::string& p : parts) t += (t.empty() ? "" : " ") + p;
+        for (const std::string& p : parts) t += (t.empty() ? "" : std::isdigit(static_cast<unsigned char>(p[0])) ? " \\cdot " : " ") + p;
         return t;
       };
       s = under.empty() ? join(above) : fmt::format("\\frac{{{}}}{{{}}}", join(above), join(under));

@@ -134,7 +134,7 @@ class Bounds:
             return value
         if isinstance(value, (HalfSpace, Clip)):
             value = [value]
-        if isinstance(value, list):
+        if isinstance(value, list) and not _is_box(value):
             half_spaces = tuple(v for v in value if isinstance(v, HalfSpace))
             clips = tuple(v for v in value if isinstance(v, Clip))
             return _intersection(
@@ -157,6 +157,14 @@ class Bounds:
         if array.shape != (3, 2):
             raise ArgumentError(_forms(value))
         return _checked(array[:, 0].tolist(), array[:, 1].tolist(), ())
+
+
+def _is_box(value: list[Any]) -> bool:
+    """Whether a list is three pairs of numbers: a box, as JSON and `tolist` write it."""
+    return len(value) == 3 and all(
+        isinstance(side, (list, tuple)) and len(side) == 2 and all(isinstance(v, (int, float, np.number)) for v in side)
+        for side in value
+    )
 
 
 def _forms(value: Any) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 import tempfile
 import time
@@ -138,7 +139,9 @@ def _check_output(path: Path, kinds: tuple[str, ...]) -> None:
 def _render(args: argparse.Namespace) -> None:
     output = Path(args.output)
     _check_output(output, (".png", ".npz"))
-    surface: Any = irt.surfaces[args.what] if args.what in irt.surfaces else args.what
+    # A lone name that nobody gives a value is a surface, or one misspelt.
+    named = args.what in irt.surfaces or (args.what.isidentifier() and args.what not in {"x", "y", "z", *dict(args.param)})
+    surface: Any = irt.surfaces[args.what] if named else args.what
     camera = None
     if args.camera:
         if len(args.camera) not in (3, 6):
@@ -181,9 +184,15 @@ def _list() -> None:
         print(f"{surface.name:24} degree {degree!s:4} {surface.notes}")
 
 
+def _value(text: str) -> str:
+    """Formulas and numbers that begin with a minus would be options to argparse; a blank before them tells it better."""
+    return f" {text}" if re.match(r"-(?!-|h$|o)", text) else text
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command. Returns 0, 1 for errors, 130 after Ctrl-C; argparse exits with 2."""
-    args = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    args = _parser().parse_args([_value(a) for a in given])
     try:
         if args.command == "render":
             _render(args)

@@ -383,14 +383,7 @@ def _open(wanted: str) -> _core.Device:
         known = _opened_for(wanted)
         if known is not None:
             return known
-        best = _first_choice() if not name else None
-        if best is None:
-            found = devices()
-            matching = [d for d in found if name.lower() in f"{d.name} {d.driver}".lower()]
-            usable = [d for d in matching if d.ok]
-            if not usable:
-                raise DeviceError(_nothing(found, matching, wanted))
-            best = usable[0]
+        best = (_first_choice() if not name else None) or _matching(name, devices(), wanted)
         if width is not None and (width not in WIDTHS or width > best.width):
             raise DeviceError(
                 f"{best.driver} cannot run packets of {width}; it can of "
@@ -403,6 +396,15 @@ def _open(wanted: str) -> _core.Device:
             atexit.register(_opened[key].finish)  # no driver survives being left while it compiles
         _choices[wanted] = _opened[key]
         return _opened[key]
+
+
+def _matching(name: str, found: list[Device], wanted: str) -> Device:
+    """The best of the devices found that works and that `name` is part of; DeviceError where there is none."""
+    matching = [d for d in found if name.lower() in f"{d.name} {d.driver}".lower()]
+    for device in matching:
+        if device.ok:
+            return device
+    raise DeviceError(_nothing(found, matching, wanted))
 
 
 def _first_choice() -> Device | None:
@@ -487,7 +489,8 @@ def _whole(path: str) -> bool:
 def describe() -> str:
     """A text about every device and driver, for `implicitrt info`."""
     lines = []
-    for device in devices():
+    found = devices()
+    for device in found:
         state = f"works, packets of {device.width}" if device.ok else "cannot be used"
         kind = "GPU" if device.gpu else "CPU"
         lines.append(f"{device.driver}: {device.name} ({kind}, {device.version or 'no version'}): {state}")
@@ -496,5 +499,12 @@ def describe() -> str:
             lines.append(f"    {device.reason}")
     if not lines:
         lines.append(f"No OpenCL driver was found; {_INSTALL}")
+    else:
+        wanted = os.environ.get("IMPLICITRT_DEVICE", "")
+        by = f" by IMPLICITRT_DEVICE={wanted}" if wanted else ""
+        try:
+            lines.append(f"Used{by}: {_matching(_split_width(wanted)[0], found, wanted).driver}")
+        except DeviceError as error:
+            lines.append(f"Used{by}: none, {str(error).splitlines()[0]}")
     lines.append(f"Verdicts are remembered in {_memory_file()}")
     return "\n".join(lines)

@@ -157,8 +157,8 @@ def enclose_rays(
     if algebra == "ia":
         low, high = _below(low, precision), _above(high, precision)
         return _result(expr, request, np.stack([low, high, np.zeros_like(low)], axis=-1))
-    middle = _below(0.5 * at_start + 0.5 * at_end, precision)
     with np.errstate(invalid="ignore", over="ignore"):
+        middle = _below(0.5 * at_start + 0.5 * at_end, precision)
         slope = _below(0.5 * (at_end - at_start), precision)
         # How far the exact piece may lie from middle + slope e, at either end of it.
         off = np.maximum(np.abs((middle - slope) - at_start), np.abs((middle + slope) - at_end)) + 2 * error

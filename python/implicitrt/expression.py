@@ -9,6 +9,8 @@ from __future__ import annotations
 import numbers
 import operator
 from collections.abc import Callable, Mapping
+from decimal import Decimal
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NoReturn, Union
 
 import numpy as np
@@ -167,7 +169,9 @@ class Expr(_Tree):
                 return False
         return NotImplemented
 
-    __hash__ = _Tree.__hash__
+    def __hash__(self) -> int:
+        # Numbers equal Python's, so they hash as those do.
+        return hash(Fraction(*self._node.ratio())) if self._node.op == "Number" else hash(self._node)
 
     def __bool__(self) -> bool:
         return self._node.op != "Number" or self._node.ratio()[0] != 0
@@ -273,12 +277,12 @@ class Expr(_Tree):
         return _core.degree(self._node)
 
     def evaluate(
-        self, X: npt.ArrayLike = 0.0, Y: npt.ArrayLike = 0.0, Z: npt.ArrayLike = 0.0, **params: Any
+        self, X: npt.ArrayLike = 0.0, Y: npt.ArrayLike = 0.0, Z: npt.ArrayLike = 0.0, /, **params: Any
     ) -> npt.NDArray[np.float64]:
         """The values at points, in float64 on the host; nan where the formula is undefined.
 
         Args:
-            X, Y, Z: coordinates, any shapes that broadcast together.
+            X, Y, Z: coordinates, any shapes that broadcast together; by position, so that parameters may have any name.
             params: a value for every other symbol; they broadcast as well.
 
         Returns:
@@ -399,9 +403,8 @@ def _compare(op: str, a: Any, b: Any) -> Condition:
 
 
 def _is_sympy(value: Any) -> bool:
-    return type(value).__module__.split(".")[0] == "sympy" or any(
-        t.__module__.split(".")[0] == "sympy" for t in type(value).__mro__
-    )
+    # Classes of undefined functions, sympy.Function("g"), have no module.
+    return any((t.__module__ or "").split(".")[0] == "sympy" for t in type(value).__mro__)
 
 
 def _parse_condition(text: str) -> Condition:
@@ -447,7 +450,7 @@ def parse(text: str) -> Expr:
 def sympify(value: Any) -> Expr:
     """Anything that is a formula as an `Expr`.
 
-    Takes Expr, str (parsed), int, float (exactly), Fraction, NumPy scalars, named surfaces, SymPy
+    Takes Expr, str (parsed), int, float (exactly), Fraction, Decimal, NumPy scalars, named surfaces, SymPy
     expressions and equations, and objects with ``_sympy_``. Raises ExpressionError for the rest.
     """
     if isinstance(value, Expr):
@@ -460,6 +463,8 @@ def sympify(value: Any) -> Expr:
         return Expr(_core.rational(operator.index(value), 1))
     if isinstance(value, (float, np.floating)):
         return Expr(_core.from_double(float(value)))
+    if isinstance(value, Decimal) and value.is_finite():
+        value = Fraction(value)
     if isinstance(value, numbers.Rational):
         return Expr(_core.rational(int(value.numerator), int(value.denominator)))
     if isinstance(value, np.ndarray) and value.ndim == 0:
@@ -482,18 +487,30 @@ def sympify(value: Any) -> Expr:
 
 
 def symbols(names: str) -> Any:
-    """Symbols by name, separated by blanks or commas: one, or a tuple of several."""
+    """Symbols by name, separated by blanks or commas: one, or a tuple of several.
+
+    Raises ExpressionError for names that `parse` reads as something else: functions, `E`, `pi`.
+    """
     parts = names.replace(",", " ").split() if isinstance(names, str) else []
     if not parts:
         raise ExpressionError("symbols takes at least one name, such as symbols('x y z')")
-    made = tuple(Expr(_core.symbol(p)) for p in parts)
+    made = tuple(Expr(symbol_node(p)) for p in parts)
     return made[0] if len(made) == 1 else made
+
+
+def symbol_node(name: str) -> _core.Node:
+    """The symbol of that name, which must parse back: str, repr and pickle go by text."""
+    node = _core.symbol(name)
+    try:
+        if node.op == "Symbol" and _core.parse(name) == node:
+            return node
+    except ExpressionError:
+        pass
+    raise ExpressionError(f"'{name}' has a meaning of its own in formulas; choose another name for a symbol")
 
 
 def Rational(p: Any, q: Any = 1) -> Expr:
     """The exact quotient of two integers, or of a decimal string such as "0.1"."""
-    from fractions import Fraction
-
     try:
         value = Fraction(p) / Fraction(q)
     except (ZeroDivisionError, TypeError, ValueError, OverflowError) as error:

@@ -65,7 +65,10 @@ class Stats:
 
 def _write_atomically(path: Path, data: bytes) -> None:
     """All of the file or nothing: written beside it, then moved over it."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent or ".", prefix=f".{path.name}-")
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent or ".", prefix=f".{path.name}-")
+    except OSError as error:  # which names the temporary file
+        raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         with os.fdopen(handle, "wb") as out:
             out.write(data)
@@ -174,6 +177,9 @@ class Frame:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the picture (`.png`) or everything (`.npz`); all of the file or nothing.
 
+        In `.npz` the arrays have their names here, and `meta` is text of Python literals (`ast.literal_eval`): formula, camera,
+        bounds, params and stats.
+
         Raises:
             ArgumentError: the name ends otherwise.   OSError: the file cannot be written.
         """
@@ -188,6 +194,8 @@ class Frame:
                 arrays["normal"] = self._normal
             if self._rgba is not None:
                 arrays["rgba"] = self._rgba
+            if self._pieces is not None:
+                arrays["pieces"] = self._pieces
             np.savez_compressed(out, **arrays, meta=np.array(repr(self._meta())))  # type: ignore[arg-type]
             _write_atomically(file, out.getvalue())
         else:
@@ -197,7 +205,8 @@ class Frame:
         from dataclasses import asdict
 
         stats = {k: dict(v) if isinstance(v, Mapping) else v for k, v in vars(self.stats).items()}
-        return {"camera": asdict(self.camera), "bounds": asdict(self.bounds), "params": self.params, "stats": stats}
+        bounds = asdict(self.bounds) | {"clips": tuple(str(c.g) for c in self.bounds.clips)}
+        return {"formula": str(self.formula), "camera": asdict(self.camera), "bounds": bounds, "params": self.params, "stats": stats}
 
     def __repr__(self) -> str:
         s = self.stats

@@ -296,7 +296,7 @@ def _choose(expr: Expr) -> tuple[str, str]:
         return "ia", "it has jumps, at which affine forms fall back to ranges anyway"
     if choice and not curved:
         return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
-    return "contract", "it is curved, and affine forms tell along the ray where zeros may lie"
+    return "contract", "affine forms tell along the ray where zeros may lie"
 
 
 def explain(f: ExprLike) -> str:
@@ -315,6 +315,6 @@ def resolve(method: Any, expr: Expr, frames: bool = False) -> tuple[Entry, str]:
         return ENTRIES[name], reason
     if not isinstance(name, str) or name not in ENTRIES:
         close = difflib.get_close_matches(str(method), list(_METHODS), 1)
-        hint = f"; did you mean '{close[0]}'?" if close else ""
-        raise ArgumentError(f"unknown method {method!r}{hint} known are: {', '.join(_METHODS)}")
+        hint = f" (did you mean '{close[0]}'?)" if close else ""
+        raise ArgumentError(f"unknown method {method!r}{hint}; known are: {', '.join(_METHODS)}")
     return ENTRIES[name], "asked for"

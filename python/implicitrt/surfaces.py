@@ -69,8 +69,8 @@ class _Surfaces(Mapping[str, NamedSurface]):
             return self._entries[name]
         except KeyError:
             close = difflib.get_close_matches(str(name), self._entries, 3)
-            hint = f"; did you mean {' or '.join(close)}?" if close else ""
-            raise _UnknownSurface(f"no surface is named '{name}'{hint} `implicitrt list` shows all of them") from None
+            hint = f" (did you mean {' or '.join(close)}?)" if close else ""
+            raise _UnknownSurface(f"no surface is named '{name}'{hint}; `implicitrt list` shows all of them") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)

@@ -6,7 +6,7 @@ from typing import Any
 
 from implicitrt import _core
 from implicitrt.errors import ExpressionError, LimitError
-from implicitrt.expression import Condition, Expr, Rational, parse
+from implicitrt.expression import Condition, Expr, Rational, parse, symbol_node
 
 # SymPy's classes by the names of our operators; the others are handled one by one.
 _SAME = (
@@ -90,17 +90,21 @@ def _node(sympy: Any, root: Any) -> _core.Node:
 
 
 def _children(sympy: Any, value: Any) -> list[Any]:
-    if isinstance(value, sympy.Piecewise):
-        return [part for pair in value.args for part in pair.args]
     root = _real_root(sympy, value)
     if root is not None:
-        return [root[0]]
+        return [root]
+    if isinstance(value, sympy.Piecewise):
+        return [part for pair in value.args for part in pair.args]
     return list(value.args)
 
 
-def _real_root(sympy: Any, value: Any) -> tuple[Any, int] | None:
-    """Base and index of SymPy's form of an odd real root, which is a Piecewise-like product."""
-    if isinstance(value, sympy.Piecewise) or not isinstance(value, sympy.Mul) or len(value.args) != 2:
+def _real_root(sympy: Any, value: Any) -> Any:
+    """The base b of `real_root(b, 3)`, else None: Abs(b)**(1/3)*sign(b), for complex symbols as the branch for real b."""
+    if isinstance(value, sympy.Piecewise):
+        first = value.args[0]
+        base = _real_root(sympy, first.expr)
+        return base if base is not None and first.cond == sympy.Eq(sympy.im(base), 0) else None
+    if not isinstance(value, sympy.Mul) or len(value.args) != 2:
         return None
     sign_part, power = sorted(value.args, key=lambda a: not isinstance(a, sympy.sign))
     if (
@@ -110,7 +114,7 @@ def _real_root(sympy: Any, value: Any) -> tuple[Any, int] | None:
         and power.base.args[0] == sign_part.args[0]
         and power.exp == sympy.Rational(1, 3)
     ):
-        return sign_part.args[0], 3
+        return sign_part.args[0]
     return None
 
 
@@ -123,7 +127,7 @@ def _one_from_sympy(sympy: Any, value: Any, args: list[_core.Node]) -> _core.Nod
         exact = sympy.Rational(value)
         return _core.rational(int(exact.p), int(exact.q))
     if isinstance(value, sympy.Symbol):
-        return _core.symbol(value.name)
+        return symbol_node(value.name)
     if value in (sympy.pi, sympy.E):
         return _core.call(str(value), [])
     if value is sympy.GoldenRatio:

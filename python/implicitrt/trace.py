@@ -60,7 +60,7 @@ def trace(
     o, d, near, far, region = ray_batch(f, origins, directions, tmin, tmax, bounds)
     request, reason = finder_request(
         f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, None,
-        steps=steps, shortest=float(np.sqrt((d * d).sum(axis=1)).min(initial=np.inf)),
+        steps=steps, shortest=float(np.hypot(np.hypot(d[:, 0], d[:, 1]), d[:, 2]).min(initial=np.inf)),
     )
     request |= {
         "want": {"normal"},

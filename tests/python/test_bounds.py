@@ -23,6 +23,12 @@ def test_lists_are_intersections() -> None:
     both = Bounds.of([2, ((0, 5), (-1, 1), (-5, 5)), irt.Sphere((0, 0, 0), 1.5), irt.Sphere((1, 0, 0), 1)])
     assert both.lower[0] == pytest.approx(0) and both.upper[0] == pytest.approx(1.5)
     assert len(both.spheres) == 2
+    boxes = [((0, 2), (0, 2), (0, 2)), ((1, 3), (0, 3), (0, 3)), ((0, 9), (0, 9), (0, 9))]
+    assert Bounds.of(boxes).lower == (1, 0, 0)
+
+
+def test_a_box_may_be_a_list() -> None:
+    assert Bounds.of([[1, 2], [1, 2], [1, 2.5]]) == Bounds.of(((1, 2), (1, 2), (1, 2.5)))
 
 
 @pytest.mark.parametrize(

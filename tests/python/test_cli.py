@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import signal
 import subprocess
@@ -28,17 +29,27 @@ def test_render_a_name_and_a_formula(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert len(np.unique(np.load(tmp_path / f"{samples}.npz")["rgba"][..., 0])) > 8
 
 
+def test_values_may_begin_with_a_minus(tmp_path: Path) -> None:
+    output = tmp_path / "a.npz"
+    options = ["--size", "8", "--camera", "-3,-1,5", "--bounds", "-1,1,-1,1,-1,1"]
+    assert main(["render", "-x^2+y^2+z", "-o", str(output), *options]) == 0
+    meta = ast.literal_eval(str(np.load(output)["meta"]))
+    assert meta["formula"] == "-x**2 + y**2 + z" and meta["camera"]["origin"] == (-3, -1, 5) and meta["bounds"]["lower"] == (-1, -1, -1)
+
+
 def test_list_and_info(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     assert "barth_sextic" in capsys.readouterr().out
     assert main(["info"]) == 0
-    assert "works" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "works" in out and "Used" in out
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["render", "sen(x)", "-o", "a.png"], "did you mean 'sin'"),
+        (["render", "barth_sextc", "-o", "a.png"], "did you mean barth_sextic"),
         (["render", "x + a", "-o", "a.png"], "'a' has no value"),
         (["render", "x", "-o", "a.gif"], ".png or .npz"),
         (["render", "x", "-o", "nowhere/a.png"], "cannot write"),

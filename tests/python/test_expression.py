@@ -6,6 +6,8 @@ import copy
 import pickle
 import subprocess
 import sys
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -178,6 +180,40 @@ def test_sympy_equations_and_what_it_lacks() -> None:
     assert sympy.sympify(irt.cbrt(x)).subs("x", -8) == -2
     with pytest.raises(irt.ExpressionError, match="gamma"):
         irt.sympify(sympy.gamma(sx))
+
+
+def test_real_roots_come_back_from_sympy() -> None:
+    assert irt.sympify(sympy.sympify(irt.cbrt(x + y))) == irt.cbrt(x + y)
+    assert irt.sympify(sympy.real_root(sympy.Symbol("x", real=True), 3) + 1) == irt.cbrt(x) + 1
+
+
+def test_undefined_functions_of_sympy_are_refused() -> None:
+    with pytest.raises(irt.ExpressionError, match="no meaning"):
+        irt.sympify(sympy.Function("g")(sympy.Symbol("x")))
+
+
+@pytest.mark.parametrize("name", ["sin", "Min", "True", "Piecewise", "E", "pi"])
+def test_symbols_that_would_not_parse_back_are_refused(name: str) -> None:
+    for make in (irt.symbols, lambda n: irt.sympify(sympy.Symbol(n))):
+        with pytest.raises(irt.ExpressionError, match="meaning of its own"):
+            make(name)
+
+
+def test_equal_numbers_hash_alike() -> None:
+    for value in (2, 0.5, -3, Fraction(1, 3)):
+        assert irt.sympify(value) == value and hash(irt.sympify(value)) == hash(value)
+
+
+def test_decimals_are_exact() -> None:
+    assert Decimal("0.1") * x == x / 10
+
+
+def test_latex_keeps_numbers_apart() -> None:
+    assert (3 * 2**x).latex == r"3 \cdot 2^{x}" and (3 * x).latex == "3 x"
+
+
+def test_parameters_may_have_any_name() -> None:
+    assert irt.parse("X*x + self").evaluate(2.0, X=3, self=1) == 7
 
 
 def test_evaluate() -> None:

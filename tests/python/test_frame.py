@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ast
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -30,6 +33,22 @@ def test_as_numpy_array(frame: irt.Frame) -> None:
     copied = np.array(frame)
     copied[:] = 0
     assert frame.rgb.any()
+
+
+def test_npz_has_everything(tmp_path: Path) -> None:
+    clip = irt.Clip("x - 1/10")
+    made = irt.render("x^2 + y^2 + z^2 - 1", [2, clip], size=(4, 4), method="raa", outputs=("normal", "pieces"))
+    made.save(tmp_path / "a.npz")
+    stored = np.load(tmp_path / "a.npz")
+    assert set(stored) == {"depth", "uncertainty", "status", "normal", "pieces", "meta"}
+    meta = ast.literal_eval(str(stored["meta"]))
+    assert irt.parse(meta["formula"]) == made.formula and meta["bounds"]["clips"] == (str(clip.g),)
+
+
+def test_unwritable_files_are_named(frame: irt.Frame, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as error:
+        frame.save(tmp_path / "nowhere" / "a.png")
+    assert error.value.filename == str(tmp_path / "nowhere" / "a.png")
 
 
 def test_counts_and_repr(frame: irt.Frame) -> None:
