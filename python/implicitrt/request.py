@@ -42,6 +42,8 @@ def finder_request(
     one_of(rounding, "rounding", ("outward", "fast"))
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress must be a function of the fraction done, not {progress!r}")
     steps = _steps(entry, method, steps)
     width = bounds.default_eps if eps is None else positive(eps, "eps")
     asked = time.perf_counter()

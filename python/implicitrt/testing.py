@@ -16,7 +16,7 @@ import numpy as np
 
 from implicitrt.camera import Camera
 from implicitrt.errors import ArgumentError
-from implicitrt.frame import Frame
+from implicitrt.frame import Frame, Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -117,7 +117,7 @@ def assert_matches(
     Args:
         frame, reference: what is tested, and what it should be.
         depth: largest difference of depth, in world units.
-        normal: largest angle between normals, in radians; None compares none.
+        normal: largest angle between normals, in radians; None compares none. A normal that only the frame lacks is off by pi.
         silhouette: pixels this near to a change of the reference's mask are not compared.
         allowed: how many pixels may differ.
         save: a folder for three pictures (frame, reference, difference) when it fails; default
@@ -129,7 +129,8 @@ def assert_matches(
     if frame.depth.shape != reference.depth.shape:
         raise AssertionError(f"the frames have different sizes: {frame.depth.shape} and {reference.depth.shape}")
     compared = ~_band(reference.hit, silhouette)
-    mask = compared & (frame.hit != reference.hit)
+    # What the frame could not decide agrees with nothing.
+    mask = compared & ((frame.hit != reference.hit) | (frame.status == Status.UNRESOLVED))
     both = compared & frame.hit & reference.hit
     with np.errstate(invalid="ignore"):
         depth_error = np.where(both, np.abs(frame.depth.astype(np.float64) - reference.depth), 0.0)
@@ -139,6 +140,7 @@ def assert_matches(
         # The chord keeps digits that the cosine loses for small angles.
         chord = np.linalg.norm(a - b, axis=2)
         angle = np.where(both & np.isfinite(chord), 2 * np.arcsin(np.minimum(chord / 2, 1)), 0.0)
+        angle[both & np.isnan(a).any(axis=2) & np.isfinite(b).all(axis=2)] = math.pi  # a normal that is missing
     wrong_depth = depth_error > depth
     wrong_normal = angle > (math.inf if normal is None else normal)
     wrong = mask | wrong_depth | wrong_normal

@@ -180,6 +180,11 @@ def test_budgets() -> None:
     assert late.stats.counts["UNRESOLVED"] >= 64 * 64 - 16  # one packet may run before the clock is looked at
 
 
+def test_progress_must_be_callable() -> None:
+    with pytest.raises(irt.ArgumentError, match="progress must be"):
+        irt.render(SPHERE, size=(4, 4), progress=5)  # type: ignore[arg-type]
+
+
 def test_trace_shapes() -> None:
     none = irt.trace(SPHERE, np.zeros((0, 3)), np.zeros((0, 3)), bounds=2)
     assert none.t.shape == (0,) and none.normal.shape == (0, 3)

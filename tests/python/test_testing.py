@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,15 @@ CAMERA = irt.Camera((2.2, 1.7, 3.1), fov=35)
 
 def _render(f: irt.Expr | str, **options: object) -> irt.Frame:
     return irt.render(f, camera=CAMERA, size=SIZE, eps=1e-5, **options)  # type: ignore[arg-type]
+
+
+def test_missing_normals_and_open_pixels_do_not_match(tmp_path: Path) -> None:
+    good = _render("x^2 + y^2 + z^2 - 1")
+    for name, value in (("_normal", np.full_like(good.normal, np.nan)), ("status", np.full_like(good.status, irt.Status.UNRESOLVED))):
+        worse = copy.copy(good)
+        setattr(worse, name, value)
+        with pytest.raises(AssertionError, match="pixels differ"):
+            assert_matches(worse, good, save=tmp_path)
 
 
 def test_sphere() -> None:
