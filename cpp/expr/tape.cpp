@@ -88,7 +88,7 @@ Tape::Tape(const Expr& e) {
       case Op::True: step.value = 1; break;
       case Op::Symbol: step.input = static_cast<std::size_t>(std::lower_bound(symbols_.begin(), symbols_.end(), p.name()) - symbols_.begin()); break;
       case Op::Pow:
-        if (const Expr& n = p.arg(1); n.op() == Op::Number && n.number().get_den() == 1 && abs(n.number().get_num()) < 1'000'000)
+        if (const Expr& n = p.arg(1); n.op() == Op::Number && n.number().get_den() == 1 && n.number().get_num().fits_sint_p())
           step.exponent = n.number().get_num().get_si();
         break;
       default: break;

@@ -226,6 +226,7 @@ def test_evaluate() -> None:
         f.evaluate(1, 2, a=1, aa=2)
     with pytest.raises(irt.ArgumentError, match="broadcast"):
         f.evaluate([1, 2], [1, 2, 3], a=1)
+    assert irt.parse("x^1000000 + x^(2^30 + 1)").evaluate([-1, -0.5]).tolist() == [0, 0]
     assert np.isnan(irt.parse("sqrt(x)").evaluate(-1)) and np.isnan(irt.parse("log(x)").evaluate(0))
     assert irt.Mod(x, y).evaluate(-1, 3) == 2 and irt.Mod(x, y).evaluate(1, -3) == -2
 
