@@ -3,7 +3,6 @@
 // The generated header before this file defines W, the types real, F (W reals), I (W integers of the same size, used
 // as masks: all bits set or none), and LOAD, STORE, TO_F, TO_I, TO_BYTES, INDEX, IRT_DOUBLE. Every other kernel file
 // is written with the macros below and never for one width. A GPU runs the same source with W = 1.
-#pragma OPENCL FP_CONTRACT OFF
 
 #if W == 1
 #define MASK(c) (-(I)(c))

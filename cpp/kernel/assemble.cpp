@@ -30,7 +30,7 @@ std::string prelude(const Spec& spec) {
   const bool wide = spec.precision == Precision::Double;
   const std::string real = wide ? "double" : "float", integer = wide ? "long" : "int";
   const std::string w = spec.width == 1 ? "" : std::to_string(spec.width);
-  std::string text = fmt::format("#define W {}\n", spec.width);
+  std::string text = fmt::format("#pragma OPENCL FP_CONTRACT OFF\n#define W {}\n", spec.width);
   const auto define = [&](const char* name, int value) { text += fmt::format("#define {} {}\n", name, value); };
   define("IRT_DOUBLE", wide);
   define("IRT_OUTWARD", spec.outward);

@@ -18,20 +18,6 @@ bool beams_in(const Options& options, std::size_t pixels) {
   return options.finder == "contract" && options.affine && options.beams.value_or(pixels >= kBeamPixels);
 }
 
-kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, const Options& options,
-                     const device::Device& device, Precision precision, kernel::Entry entry) {
-  kernel::Spec spec;
-  spec.entry = entry;
-  spec.precision = precision;
-  spec.width = packet_width(device, precision);
-  spec.split = splits(device, options, precision);
-  spec.spheres = static_cast<int>(bounds.balls.size());
-  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
-  set_enclosures(spec, program, bounds, options);
-  return with_options(spec, options);
-}
-
-// All pixels, or those of a list; or, where there is a frame `before` in single precision, what it has found (kernels/sharpen.cl).
 Answer pass(const program::Program& program, const View& view, const Bounds& bounds, const Options& options, device::Device& device,
             Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch, const Answer* before = nullptr) {
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, pixels ? kernel::Entry::PixelList : kernel::Entry::Camera);

@@ -128,26 +128,6 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
   return !(program::magnitude(program, at, parameters) < (precision == program::Precision::Double ? 1e300 : 1e36));
 }
 
-void set_enclosures(kernel::Spec& spec, const program::Program& program, const Bounds& bounds, const Options& options) {
-  // Brackets may reach a little out of the bounds.
-  const glm::dvec3 coordinates = 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
-  spec.infinite = needs_infinities(program, coordinates, options, spec.precision);
-  if (options.finder == "mitchell") {
-    const auto derivative = program::along(program);
-    spec.along = derivative.has_value();
-    spec.infinite = spec.infinite || (derivative && needs_infinities(*derivative, coordinates, options, spec.precision));
-    return;
-  }
-  // Bisection and contraction march without pads where nothing overflows.
-  spec.slack = options.outward && !spec.infinite && (options.finder == "bisection" || (options.finder == "contract" && options.affine));
-  // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
-  // where a clip formula is to be proven along with each bracket; nor where Min or Max choose, at whose edges the derivative jumps: that
-  // gains a tenth at best, and doubles what the driver has to compile.
-  if (options.affine || !options.outward || options.finder != "bisection" || program.has_region() || program.has_choices()) return;
-  const auto derivative = program::along(program);
-  spec.along = derivative && (spec.infinite || !needs_infinities(*derivative, coordinates, options, spec.precision));
-}
-
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
   Reals ends(precision, 2 * program.inputs());
   for (std::size_t i = 0; i < program.inputs(); ++i) {
@@ -218,6 +198,44 @@ kernel::Spec with_options(kernel::Spec spec, const Options& options) {
   spec.rgb = options.rgb;
   spec.pieces = options.pieces;
   return spec;
+}
+
+namespace {
+
+// What of a specification depends on the values of f: infinities, and whether the derivative along the ray helps.
+void set_enclosures(kernel::Spec& spec, const program::Program& program, const Bounds& bounds, const Options& options) {
+  // Brackets may reach a little out of the bounds.
+  const glm::dvec3 coordinates = 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
+  spec.infinite = needs_infinities(program, coordinates, options, spec.precision);
+  if (options.finder == "mitchell") {
+    const auto derivative = program::along(program);
+    spec.along = derivative.has_value();
+    spec.infinite = spec.infinite || (derivative && needs_infinities(*derivative, coordinates, options, spec.precision));
+    return;
+  }
+  // Bisection and contraction march without pads where nothing overflows.
+  spec.slack = options.outward && !spec.infinite && (options.finder == "bisection" || (options.finder == "contract" && options.affine));
+  // Bisection with intervals isolates roots where it is to prove them; not if all of f had to survive infinities for it, and not
+  // where a clip formula is to be proven along with each bracket; nor where Min or Max choose, at whose edges the derivative jumps: that
+  // gains a tenth at best, and doubles what the driver has to compile.
+  if (options.affine || !options.outward || options.finder != "bisection" || program.has_region() || program.has_choices()) return;
+  const auto derivative = program::along(program);
+  spec.along = derivative && (spec.infinite || !needs_infinities(*derivative, coordinates, options, spec.precision));
+}
+
+}  // namespace
+
+kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, const Options& options, const device::Device& device,
+                     program::Precision precision, kernel::Entry entry) {
+  kernel::Spec spec;
+  spec.entry = entry;
+  spec.precision = precision;
+  spec.width = packet_width(device, precision);
+  spec.split = splits(device, options, precision);
+  spec.spheres = static_cast<int>(bounds.balls.size());
+  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
+  set_enclosures(spec, program, bounds, options);
+  return with_options(spec, options);
 }
 
 void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device) {

@@ -20,9 +20,6 @@ bool splits(const device::Device& device, const Options& options, program::Preci
 bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
                       program::Precision precision);
 
-// What of a specification depends on the values of f: infinities, and whether the derivative along the ray helps.
-void set_enclosures(kernel::Spec& spec, const program::Program& program, const Bounds& bounds, const Options& options);
-
 // Lower and upper ends of each parameter, rounded outward.
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision);
 
@@ -35,6 +32,10 @@ double reach(const Bounds& bounds);
 
 // The part of a specification that the options decide.
 kernel::Spec with_options(kernel::Spec spec, const Options& options);
+
+// What a kernel is made of that marches along rays: of a camera, of pixels or of a list.
+kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, const Options& options, const device::Device& device,
+                     program::Precision precision, kernel::Entry entry);
 
 // A colour in linear light, and its alpha, as sRGB bytes.
 std::uint32_t pixel_of(const std::array<double, 4>& color);

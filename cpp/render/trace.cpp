@@ -6,22 +6,10 @@ namespace irt::render {
 namespace {
 
 using program::Precision;
-kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, const Options& options, const device::Device& device,
-                     Precision precision) {
-  kernel::Spec spec;
-  spec.entry = kernel::Entry::RayList;
-  spec.precision = precision;
-  spec.width = packet_width(device, precision);
-  spec.split = splits(device, options, precision);
-  spec.spheres = static_cast<int>(bounds.balls.size());
-  spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
-  set_enclosures(spec, program, bounds, options);
-  return with_options(spec, options);
-}
 
 Answer pass(const program::Program& program, const Rays& rays, const std::vector<std::size_t>* which, const Bounds& bounds,
             const Options& options, device::Device& device, Precision precision) {
-  const kernel::Spec spec = spec_of(program, bounds, options, device, precision);
+  const kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::RayList);
   const std::size_t count = which ? which->size() : rays.count;
   Answer answer = make_answer(count, 1, spec.width, precision, options);
   const RayTerms terms = make_terms(rays, which, count, answer.pitch, bounds, precision, spec.split);
@@ -48,7 +36,7 @@ Answer trace_rays(const program::Program& program, const Formulas& formulas, con
     if (answer.outcome != device::Outcome::done) return answer;
   }
   if (open.empty() && program.inputs() && answer.builds == 0)  // as in camera_passes
-    prepare(program, spec_of(program, bounds, options, device, Precision::Double), device);
+    prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::RayList), device);
   if (!open.empty()) scatter(answer, pass(program, rays, &open, bounds, options, device, Precision::Double), open);
   return answer;
 }
