@@ -86,7 +86,7 @@ class Expansion {
       for (std::size_t i = 0; i < p.arity(); ++i) r = product(r, sum(i));
       return r;
     }
-    if (const auto n = p.op() == Op::Pow ? natural(p.arg(1)) : std::nullopt; n && *n > 0 && *n <= 1000 && sum(0).size() > 1) {
+    if (const auto n = p.op() == Op::Pow ? natural(p.arg(1)) : std::nullopt; n && *n > 0 && sum(0).size() > 1) {
       // Repeated squaring would make the intermediate sums no smaller.
       Sum r = sum(0);
       for (long k = 1; k < *n; ++k) r = product(r, sum(0));

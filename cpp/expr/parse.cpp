@@ -245,7 +245,10 @@ class Parser {
     const Deeper deeper(*this);
     const std::size_t column = peek().column;
     Expr base = atom();
-    while (sign("^2") || sign("^3")) base = pow(value(base, column), Expr(next().text == "^2" ? 2L : 3L));
+    if (sign("^2") || sign("^3")) {
+      base = pow(value(base, column), Expr(next().text == "^2" ? 2L : 3L));
+      if (sign("^2") || sign("^3")) fail(peek().column, "a superscript after a superscript", "write larger powers as x^23 or x**23");
+    }
     if (!sign("^")) return base;
     ++at_;
     const std::size_t exponent_column = peek().column;

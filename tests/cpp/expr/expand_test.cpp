@@ -48,6 +48,7 @@ TEST(Expand, CapsWhatGrows) {
       LimitError);
   const std::string large = "2^" + std::to_string(limits::kNumberBits / 2 + 1);
   EXPECT_THROW(expand(parse("(" + large + " x + y)^2")), LimitError);
+  EXPECT_THROW(expand(parse("(x + y + z + 1)^2000")), LimitError);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST_P(Errors, NameThePlaceAndTheWayOut) {
 }
 INSTANTIATE_TEST_SUITE_P(Grammar, Errors,
                          testing::Values(Wrong{"x + sen(y)", "unknown function 'sen' at column 5; did you mean 'sin'?"}, Wrong{"x(y+1)", "x*(...)"},
-                                         Wrong{"x = y = z", "at column 7"}, Wrong{"", "empty"}, Wrong{"(x", "')'"}, Wrong{"x)", "column 2"},
+                                         Wrong{"x = y = z", "at column 7"}, Wrong{"", "empty"}, Wrong{"(x", "')'"}, Wrong{"x)", "column 2"}, Wrong{"x²³", "a superscript after a superscript at column 3"},
                                          Wrong{"x ++", "ends too early"}, Wrong{"a < b < c", "And(a < b, b < c)"}, Wrong{"x $ y", "'$'"},
                                          Wrong{"sin", "write sin(x)"}, Wrong{"sin(x, y)", "takes 1 argument"}, Wrong{"1/0", "division by zero"},
                                          Wrong{"Piecewise(x, y)", "pairs"}, Wrong{"(-8)^(1/3)", "cbrt"}));
