@@ -282,7 +282,7 @@ class Expr(_Tree):
         """The values at points, in float64 on the host; nan where the formula is undefined.
 
         Args:
-            X, Y, Z: coordinates, any shapes that broadcast together; by position, so that parameters may have any name.
+            X, Y, Z: coordinates, any shapes that broadcast together. As keywords X, Y and Z are coordinates where the formula has no parameter of that name.
             params: a value for every other symbol; they broadcast as well.
 
         Returns:
@@ -293,8 +293,9 @@ class Expr(_Tree):
         """
         names = _core.free_symbols(self._node)
         wanted = sorted(names - {"x", "y", "z"})
+        coordinates = {axis: params.pop(axis.upper(), v) if axis.upper() not in names else v for axis, v in zip("xyz", (X, Y, Z), strict=True)}
         check_parameter_names(wanted, params)
-        values = {"x": X, "y": Y, "z": Z, **params}
+        values = coordinates | params
         try:
             arrays = {k: np.asarray(v, dtype=np.float64) for k, v in values.items()}
             shape = np.broadcast_shapes(*(a.shape for a in arrays.values()))

@@ -214,6 +214,7 @@ def test_latex_keeps_numbers_apart() -> None:
 
 def test_parameters_may_have_any_name() -> None:
     assert irt.parse("X*x + self").evaluate(2.0, X=3, self=1) == 7
+    assert irt.parse("X*x + y").evaluate(2.0, X=3, Y=1) == 7  # Y is a coordinate, X is not
 
 
 def test_evaluate() -> None:
