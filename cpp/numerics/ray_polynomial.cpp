@@ -317,8 +317,7 @@ Exact without_multiples(const Exact& p) {
   return divide(p, a).first;
 }
 
-int sign_at(const Exact& powers, double u) {
-  const mpq_class at(u);
+int sign_at(const Exact& powers, const mpq_class& at) {
   mpq_class sum = 0;
   for (std::size_t k = powers.size(); k-- > 0;) sum = sum * at + powers[k];
   return sgn(sum);
@@ -393,6 +392,11 @@ Root search_exactly(Exact s, const Range& range, const Clip& clip) {
     b[i] *= binomial;  // search divides by them
   }
   Root root = search<mpq_class>(std::move(b), range, clip, Arithmetic::exact);
+  if (root.kind == Kind::undecided && clip.enter_lo == clip.enter_hi && root.lo <= clip.enter_lo && clip.enter_lo <= root.hi) {
+    // A root at the start of the ray, which counts, is none that rounding may have moved there.
+    const mpq_class start(clip.enter_lo), t0(range.t0), t1(range.t1);
+    if (sign_at(powers, mpq_class((start - t0) / (t1 - t0))) == 0) root = {Kind::hit, clip.enter_lo, clip.enter_lo, Arithmetic::exact};
+  }
   if (root.kind != Kind::hit) return root;
   // Odd multiplicity changes the sign of the polynomial itself.
   const double span = range.t1 - range.t0, pad = 1e-15 * (std::fabs(root.lo) + span);

@@ -35,6 +35,16 @@ def test_probes(name: str, data: Path) -> None:
             assert found.hit[i] and abs(found.depth[i] - probe["t"]) <= 1e-11 * probe["t"]
 
 
+@pytest.mark.parametrize(("f", "kind"), [("x^2 + y^2 + z^2 - 1", irt.Status.HIT), ("(x + y + z - 1)^2", irt.Status.TOUCH)])
+def test_a_root_at_the_start_counts(f: str, kind: irt.Status) -> None:
+    """And in frames by every way, whatever the rest of the ray meets."""
+    for direction in ((0, 0, 1), (0.25, 0.5, -1)):
+        truth = irt.reference(f, (0, 0, 1), direction, bounds=2)
+        assert truth.kind == kind and truth.depth == 0
+    frame = irt.render(f, bounds=2, camera=irt.Camera((0, 0, 1)), size=(16, 16))
+    assert frame.hit.all() and np.abs(frame.depth).max() < 1e-3
+
+
 def test_brackets_near_the_start_of_a_ray() -> None:
     # Doubles find this root to 7e-14 only, and wanted is 1e-12 of its small t: more bits have to halve what is left.
     f = "x^4 + y^4 + z^4 - 1.2 x^2 - 0.3 y + 0.1"
