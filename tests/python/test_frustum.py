@@ -214,3 +214,10 @@ def test_nothing_is_built_twice_for_a_degree() -> None:
     frames += [irt.render("x^10 + a*y^6*z^4 + z^10 - x*y - 0.3", params={"a": a}, camera=camera, **call) for a in (0.5, 3)]
     assert [f.stats.builds for f in frames] == [0, 0, 0]
     assert frames[0].stats.escalated > 64
+
+
+@pytest.mark.parametrize("method", [n for n in irt.methods() if n.startswith("frustum")])
+def test_where_eps_cannot_be_reached_hits_are_wider(method: str) -> None:
+    frame = irt.render("x^4 + y^4 + z^4 - 1", size=(32, 32), precision="single", eps=1e-8, method=method, outputs=())
+    assert frame.stats.counts["UNRESOLVED"] == 0 and frame.stats.counts["HIT"] > 80
+    assert frame.stats.wide > 80
