@@ -86,7 +86,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_PREVIOUS
     cell.guess = (before - near) * inverse;
 #endif
-    cell.reach = max((F)(R(0.45) * EPS), (F)(R(8.0) * ULP * RADIUS)) / NARROW(ray->length) * inverse;  // no shorter than the precision tells apart
+    cell.reach = REACH(ray) * inverse;
     found.hits = found.open = NONE;
     found.lo = found.hi = (F)0;
     search_cell(&cell, open, max_pieces, &found);

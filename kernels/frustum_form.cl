@@ -147,6 +147,9 @@ static inline F largest_of(const F* c) {
   return size;
 }
 
+// Half of what a bracket may have, in s; no shorter than the precision tells apart.
+#define REACH(ray) (max((F)(R(0.45) * EPS), (F)(R(8.0) * ULP * RADIUS)) / NARROW((ray)->length))
+
 // The first zero of the control polygon, as a share of the piece; 1 where there is none.
 static inline F polygon_zero(const F* c, F sign) {
   F at = (F)IRT_DEGREE, before = (F)0, after = (F)1;

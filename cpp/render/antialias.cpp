@@ -97,10 +97,7 @@ void antialias(Answer& answer, const Finder& find, const program::Program& progr
       colours.control.progress = [&, k](double done) { options.control.progress((k + done) / passes); };
     const Answer part = options.everywhere ? shaded(find, program, shifted, bounds, colours, device)
                                            : camera_passes(program, formulas, shifted, bounds, colours, device, &pixels, answer.pitch);
-    answer.builds += part.builds;
-    answer.build_seconds += part.build_seconds;
-    answer.launch_seconds += part.launch_seconds;
-    answer.kernel_seconds += part.kernel_seconds;
+    answer.add_work_of(part);
     answer.outcome = part.outcome;
     if (part.outcome != device::Outcome::done) return;  // the colours of the pixels' centres stay
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i].add(part.rgba->as<std::uint32_t>()[i]);

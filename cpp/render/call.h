@@ -132,6 +132,14 @@ struct Answer {
   double build_seconds = 0, launch_seconds = 0, kernel_seconds = 0;
   int width = 1;
   device::Outcome outcome = device::Outcome::done;
+
+  // What another pass has cost, on top.
+  void add_work_of(const Answer& pass) {
+    builds += pass.builds;
+    build_seconds += pass.build_seconds;
+    launch_seconds += pass.launch_seconds;
+    kernel_seconds += pass.kernel_seconds;
+  }
 };
 
 Answer render_frame(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,

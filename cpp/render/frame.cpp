@@ -70,10 +70,7 @@ Answer sharpened(const program::Program& program, const View& view, const Bounds
   Answer answer = pass(program, view, bounds, rest, device, Precision::Double, nullptr, 0, &before);
   if (answer.outcome == device::Outcome::done) answer.outcome = before.outcome;
   answer.width = before.width;
-  answer.builds += before.builds;
-  answer.build_seconds += before.build_seconds;
-  answer.launch_seconds += before.launch_seconds;
-  answer.kernel_seconds += before.kernel_seconds;
+  answer.add_work_of(before);
   for (std::size_t row = 0; answer.pieces && row < answer.rows; ++row)
     for (std::size_t i = 0; i < answer.columns; ++i)
       answer.pieces->as<std::uint32_t>()[row * answer.pitch + i] += before.pieces->as<std::uint32_t>()[row * before.pitch + i];

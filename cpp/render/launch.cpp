@@ -385,10 +385,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
   }
   answer.escalated += where.size();
   answer.by_reference += part.by_reference;
-  answer.builds += part.builds;
-  answer.build_seconds += part.build_seconds;
-  answer.launch_seconds += part.launch_seconds;
-  answer.kernel_seconds += part.kernel_seconds;
+  answer.add_work_of(part);
   answer.outcome = part.outcome;
 }
 

@@ -260,12 +260,18 @@ _FORM_DEGREES = range(2, 15)
 
 
 @lru_cache(maxsize=256)
+def degree_of(expr: Expr) -> int | None:
+    """The degree in x, y, z; None where there is none, or none that is within the caps."""
+    try:
+        return expr.degree()
+    except LimitError:
+        return None
+
+
+@lru_cache(maxsize=256)
 def _choose_for_frames(expr: Expr) -> tuple[str, str]:
     """The same for frames: polynomials have their frustum form."""
-    try:
-        degree = expr.degree()
-    except LimitError:
-        degree = None
+    degree = degree_of(expr)
     if degree is not None and degree in _FORM_DEGREES:
         if degree > 8 and expr._node.op == "Add" and all(len({s.name for s in part.free_symbols} & {"x", "y", "z"}) < 2 for part in expr.args):
             return "contract", "it is a sum of polynomials of one coordinate each, of a high degree: affine forms know their Taylor forms"

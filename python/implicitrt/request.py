@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,10 @@ from implicitrt import _core
 from implicitrt.arguments import finite, one_of, positive, request_parameters
 from implicitrt.bounds import Bounds
 from implicitrt.devices import open_device
-from implicitrt.errors import ArgumentError, LimitError, MethodError
+from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
-from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
+from implicitrt.methods import ENTRIES, Entry, checked_steps, degree_of, resolve
 
 # Where eps is below so many times what single precision resolves, frames by these root finders take two passes: single precision proves brackets
 # of BRACKETS times that, which it does quickly, and double narrows them down to eps (docs/performance.md). Below FINEST times that double cannot
@@ -54,8 +55,12 @@ def finder_request(
     first_eps = 0.0
     if precision == "auto":
         resolved = bounds.single_resolution
-        blur = _blur(expr, isovalue, bounds, values) if opened.fp64 and entry.marches else 0.0
-        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED and not (entry.finder == "contract" and _polynomial(expr))
+        blur = 0.0
+        if opened.fp64 and entry.marches:
+            shifted = expr if isovalue is None else expr - finite(isovalue, "isovalue")
+            blur = _blur(shifted, bounds.lower, bounds.upper, tuple(values.items()))
+        marched = entry.finder == "contract" and degree_of(expr) is not None
+        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED and not marched
         if sharpened and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
             first_eps = BRACKETS * resolved
         elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
@@ -90,16 +95,11 @@ def finder_request(
     return request, reason
 
 
-def _polynomial(expr: Expr) -> bool:
-    try:
-        return expr.degree() is not None
-    except LimitError:
-        return False
-
-
-def _blur(expr: Expr, isovalue: float | None, bounds: Bounds, values: Mapping[str, float]) -> float:
-    shifted = expr if isovalue is None else expr - finite(isovalue, "isovalue")
-    return _core.single_blur(shifted._node, bounds.lower, bounds.upper, values)
+@lru_cache(maxsize=256)
+def _blur(
+    shifted: Expr, lower: tuple[float, float, float], upper: tuple[float, float, float], values: tuple[tuple[str, float], ...]
+) -> float:
+    return _core.single_blur(shifted._node, lower, upper, dict(values))
 
 
 def _steps(entry: Entry, method: Any, steps: int | None) -> int:

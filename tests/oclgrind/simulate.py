@@ -11,13 +11,15 @@ from __future__ import annotations
 import atexit
 import ctypes
 import os
-import shutil
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "python"))
+from changed_kernels import with_change
 
 LIBRARY = "/usr/lib/oclgrind/liboclgrind-rt-icd.so"
 CREATE_BUFFER = 14  # its place in the table of CL/cl_icd.h
@@ -85,20 +87,6 @@ def _calls() -> Iterator[tuple[str, Callable[[], Any]]]:
             yield f"enclose {name}, {algebra}", lambda f=f, a=algebra: irt.enclose(f, [(0, 0, 0)] * 5, (1, 1, 1), algebra=a, device="oclgrind")
 
 
-def _broken(folder: Path) -> Path:
-    """The kernels, but one writes past its buffers: what has to be reported."""
-    from implicitrt import _core
-
-    kernels = Path(_core.__file__).resolve().parent / "kernels"
-    shutil.copytree(kernels, folder / "kernels")
-    trace = folder / "kernels" / "trace.cl"
-    text = trace.read_text()
-    broken = text.replace("write_results(&ray, &root, row * pitch", "write_results(&ray, &root, 1000000 + row * pitch")
-    assert broken != text
-    trace.write_text(broken)
-    return folder / "kernels"
-
-
 def simulate(width: int, quick: bool) -> list[str]:
     """Runs everything at one width, in this process; what Oclgrind said about each."""
     with tempfile.TemporaryDirectory() as folder:
@@ -122,8 +110,9 @@ def simulate(width: int, quick: bool) -> list[str]:
                 found.append(f"{what}:\n{said[seen:seen + 1500]}")
             seen = len(said)
             print(f"width {width}: {what}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
-        # Nothing said means something only if a fault is not passed over.
-        _core.set_kernel_directory(str(_broken(Path(folder))))
+        # Nothing said means something only if a fault is not passed over: this kernel writes past its buffers.
+        broken = with_change(Path(folder), "trace.cl", "write_results(&ray, &root, row * pitch", "write_results(&ray, &root, 1000000 + row * pitch")
+        _core.set_kernel_directory(str(broken))
         irt.render("x^2 + y^2 + 2 z^2 - 1", size=(19, 5), bounds=1.5, method="ia", outputs=(), device="oclgrind")
         said = log.read_text() if log.exists() else ""
         assert "Invalid write" in said[seen:], f"Oclgrind did not report a broken kernel: {said[seen:][:500]!r}"

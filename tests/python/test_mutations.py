@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from changed_kernels import with_change
 from conftest import working_devices
 from mutations import Judge, Pad, all_pads, looks_at
 
@@ -60,15 +60,10 @@ def _planes_lost(folder: Path) -> int:
 
 
 def test_a_smaller_pad_of_positions_is_noticed(tmp_path: Path) -> None:
-    shutil.copytree(KERNELS, tmp_path / "kernels")
-    path = tmp_path / "kernels" / "path.cl"
-    text = path.read_text()
-    smaller = text.replace("R(1.05) * ULP", "R(0.4) * ULP")
-    assert smaller != text
+    smaller = with_change(tmp_path, "path.cl", "R(1.05) * ULP", "R(0.4) * ULP")
     try:
         assert _planes_lost(KERNELS) == 0
-        path.write_text(smaller)
-        assert _planes_lost(path.parent) > 0
+        assert _planes_lost(smaller) > 0
     finally:
         _core.set_kernel_directory(str(KERNELS))
 

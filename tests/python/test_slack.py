@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from changed_kernels import with_change
 from conftest import working_devices
 
 import implicitrt as irt
@@ -74,20 +74,14 @@ def test_rounding_stays_within_its_bound(monkeypatch: pytest.MonkeyPatch, device
 
 
 def test_a_smaller_bound_is_noticed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    kernels = Path(_core.__file__).resolve().parent / "kernels"
-    shutil.copytree(kernels, tmp_path / "kernels")
-    form = tmp_path / "kernels" / "form.cl"
-    text = form.read_text()
-    smaller = text.replace("r.slack = irt_slack(", "r.slack = (F)R(0.2) * irt_slack(")
-    assert smaller != text
-    form.write_text(smaller)
+    smaller = with_change(tmp_path, "form.cl", "r.slack = irt_slack(", "r.slack = (F)R(0.2) * irt_slack(")
     try:
-        _core.set_kernel_directory(str(tmp_path / "kernels"))
+        _core.set_kernel_directory(str(smaller))
         for algebra in ("ia", "raa"):
             with pytest.raises(AssertionError, match="boxes|rays"), monkeypatch.context() as patch:
                 test_rounding_stays_within_its_bound(patch, working_devices()[0].driver, algebra, "single")
     finally:
-        _core.set_kernel_directory(str(kernels))
+        _core.set_kernel_directory(str(Path(_core.__file__).resolve().parent / "kernels"))
 
 
 def test_kernels_have_it_where_there_is_a_bound() -> None:
