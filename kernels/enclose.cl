@@ -14,8 +14,9 @@ __attribute__((noinline)) void enclose_packet(const size_t at, __global const re
   const RA dx = ra(TERM(9), TERM(10), TERM(11)), dy = ra(TERM(12), TERM(13), TERM(14)), dz = ra(TERM(15), TERM(16), TERM(17));
 #elif IRT_SLACK
   const IA f = bare_range(bare(bare_ra(x.x, x.y, x.z), bare_ra(y.x, y.y, y.z), bare_ra(z.x, z.y, z.z) PARAMETERS_PASS));
-#elif FORM_IS_RANGE
-  const IA f = irt_affine(x, y, z PARAMETERS_PASS, &undefined, &rough);
+#elif FORM_HAS_RANGE
+  const FORM both = irt_affine(x, y, z PARAMETERS_PASS, &undefined, &rough);
+  const IA f = ia(both.lo, both.hi);
 #else
   const IA f = ra_range(irt_affine(x, y, z PARAMETERS_PASS, &undefined, &rough));
 #endif

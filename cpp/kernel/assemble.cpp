@@ -137,8 +137,10 @@ std::string enclosures(const program::Program& program, const Spec& spec) {
   std::string text;
   for (const char* name : kArithmetic)
     if (f.files.count(name)) text += included(name);
-  const bool range = !spec.affine || f.range_result;
-  text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n", range ? "IA" : "RA", range ? 1 : 0);
+  const program::Result result = spec.affine ? f.result : program::Result::range;
+  const char* type = result == program::Result::form ? "RA" : result == program::Result::range ? "IA" : "struct {\n  F x, y, z, lo, hi;\n}";
+  text += fmt::format("\n// ---- the formula\ntypedef {} FORM;\n#define FORM_IS_RANGE {}\n#define FORM_HAS_RANGE {}\n", type,
+                      result == program::Result::range ? 1 : 0, result == program::Result::form ? 0 : 1);
   for (const std::string& function : f.functions) text += function;
   const std::string slack = spec.slack ? program::emit_slack(program, spec.precision, spec.affine) : "";
   text += fmt::format("#define IRT_SLACK {}\n", slack.empty() ? 0 : 1) + f.source;
@@ -146,7 +148,7 @@ std::string enclosures(const program::Program& program, const Spec& spec) {
   std::string bare;
   for (const char* name : {"interval.cl", "affine.cl"})  // the operators that have a slack are there
     if (f.files.count(name)) bare += library_file(name);
-  return text + slack + without_pads(bare + fmt::format("typedef {} FORM;\n", range ? "IA" : "RA") + formula);
+  return text + slack + without_pads(bare + fmt::format("typedef {} FORM;\n", type) + formula);
 }
 
 std::string values(const program::Program& program, const Spec& spec) { return "\n" + program::emit_value(program, spec.precision).source; }

@@ -14,10 +14,12 @@ namespace irt::program {
 enum class Precision { Single, Double };
 
 // A generated function and the library files that it calls.
+enum class Result { form, range, both };
+
 struct Emitted {
   std::string source;
   std::set<std::string> files;
-  bool range_result = false;  // emit_affine: the result is an interval (IA), not a form
+  Result result = Result::form;       // emit_affine: what FORM is
   std::set<std::string> functions{};  // that the source calls, each a definition; programs of one kernel may share them
 };
 
@@ -26,8 +28,9 @@ struct Emitted {
 // undefined) or the numerator of f proven not to be zero; this tells nothing of the sign of f. inside: the clip is proven not to be above zero.
 Emitted emit_interval(const Program& program, Precision precision);
 
-// static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS); FORM is RA, or IA where the result
-// is a range. `infinite`: values may leave the range of reals (program::magnitude), so that exponentials may lose their upper end.
+// static inline FORM irt_affine(RA x, RA y, RA z PARAMETERS, I* undefined, I* rough REGION_PARAMETERS); FORM is RA; IA where the result
+// has forgotten where on the ray it is; and both, x, y, z, lo, hi, where the range knows of an end that the form has lost (overflow, poles).
+// `infinite`: values may leave the range of reals (program::magnitude), so that exponentials may lose their upper end.
 Emitted emit_affine(const Program& program, Precision precision, bool infinite);
 
 // static inline F irt_slack(F x, F y, F z PARAMETERS): from bounds of the coordinates' magnitudes, how far either enclosure lies from the

@@ -22,9 +22,14 @@ class AffineEmitter {
     out_.files = {"interval.cl", "affine.cl"};
     for (Value v = 0; v < static_cast<Value>(program_.code.size()); ++v)
       if (!program_.is_constant(v) || v == program_.result) emit(v);
-    const bool ranged = program_.derivative || only_range(program_.result) || loses_[static_cast<std::size_t>(program_.result)] == kEnd;
-    const std::string result = ranged ? range(program_.result) : form(program_.result);
-    out_.range_result = ranged;
+    const bool ranged = program_.derivative || only_range(program_.result);
+    out_.result = ranged ? Result::range : loses_[static_cast<std::size_t>(program_.result)] == kEnd ? Result::both : Result::form;
+    std::string result = ranged ? range(program_.result) : form(program_.result);
+    if (out_.result == Result::both) {
+      const std::string ends = range(program_.result);
+      text_ += fmt::format("  const FORM both = {{{0}.x, {0}.y, {0}.z, {1}.lo, {1}.hi}};\n", result, ends);
+      result = "both";
+    }
     const std::string region = range(program_.clip), numerator = range(program_.numerator);
     out_.functions = taylor_functions(program_, precision_);
     for (long n : powers_) out_.functions.insert(power_function(n));

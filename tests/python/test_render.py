@@ -45,6 +45,16 @@ def test_sphere(device: str, method: str, rounding: str) -> None:
         assert np.isnan(frame.uncertainty).all()
 
 
+@pytest.mark.parametrize("formula", ["z - sin(8*r)/(4*r)", "z - log(1 + r)", "z - r^y/4"])
+def test_contraction_goes_by_forms_of_what_may_have_poles(formula: str) -> None:
+    f = irt.parse(formula).subs("r", irt.parse("sqrt(x^2 + y^2 + 1/10)"))
+    looks = [
+        irt.render(f, bounds=2, size=(48, 48), method=m, eps=1e-3, precision="single", outputs=("pieces",)).pieces.mean()
+        for m in ("contract", "raa")
+    ]
+    assert looks[0] < 0.6 * looks[1]
+
+
 def test_double_precision(device: str) -> None:
     camera = irt.Camera((2, 1.5, 3))
     frame = irt.render(SPHERE, camera=camera, size=(17, 13), precision="double", eps=1e-9, device=device)

@@ -125,6 +125,14 @@ TEST(Magnitude, TellsWhatCanOverflow) {
   EXPECT_GT(magnitude(lower(parse("1/x")), at, {}), 1e300);
 }
 
+TEST(Emit, AffineResultsHaveAFormWhereThereIsOneAndARangeWhereThatKnowsMore) {
+  const auto result = [](const char* formula) { return emit_affine(lower(parse(formula)), Precision::Single, false).result; };
+  EXPECT_EQ(result("x^2 + sin(y)"), Result::form);
+  EXPECT_EQ(result("x + 1/(y + 2)"), Result::both);
+  EXPECT_EQ(result("x*log(y)"), Result::both);
+  EXPECT_EQ(result("floor(x)"), Result::range);
+}
+
 TEST(Emit, SlopesFollowTheDirectionAndLeaveOutWhatDoesNotMove) {
   const Program p = lower(parse("a^3*x + sin(y)"));
   const std::string slope = emit_slope(p, Precision::Single).source;
