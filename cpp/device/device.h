@@ -64,7 +64,7 @@ class Device : public std::enable_shared_from_this<Device> {
   // source and the driver's log. Options are fixed by the library; none of them relaxes arithmetic.
   // `built`: whether this call built it.
   virtual std::shared_ptr<Kernel> kernel(const std::string& source, const std::string& entry, bool* built = nullptr) = 0;
-  // Begins to build what a later call may need, on a thread of its own; finish() waits for it. Whether it is there already.
+  // Begins to build what a later call may need, on a thread of its own; finish() waits for all of these. Whether it is there already.
   virtual bool prepare(const std::string& source, const std::string& entry) = 0;
   virtual void finish() = 0;
   // How many programs this device has built so far (cache hits are not builds).

@@ -23,6 +23,9 @@ namespace {
 // How long a band should take: short enough for Ctrl-C, long enough that launches cost nothing beside it.
 constexpr double kBandSeconds = 0.05;
 
+// Builds that run ahead side by side; one more waits for the first of them.
+constexpr std::size_t kMostAhead = 3;
+
 double since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -110,13 +113,21 @@ class ClDevice : public Device {
     check_process();
     const std::lock_guard lock(ahead_mutex_);
     Wanted wanted = reserve(source);
-    if (!wanted.promise) return wanted.kernel.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    if (ahead_.joinable()) ahead_.join();
+    if (!wanted.promise) return is_there(wanted.kernel);
+    std::erase_if(ahead_, [](Ahead& a) {
+      const bool done = is_there(a.kernel);
+      if (done) a.thread.join();
+      return done;
+    });
+    if (ahead_.size() >= kMostAhead) {
+      ahead_.front().thread.join();
+      ahead_.pop_front();
+    }
     const auto promise = std::make_shared<Promise>(std::move(*wanted.promise));
     // If the build fails, who needs it will be told.
     const auto work = [this, source, entry, promise] { fulfil(*promise, source, entry); };
     try {
-      ahead_ = std::thread(work);
+      ahead_.push_back({std::thread(work), wanted.kernel});
     } catch (const std::system_error&) {  // no thread to be had
       work();
     }
@@ -124,12 +135,11 @@ class ClDevice : public Device {
   }
 
   void finish() override {
-    if (getpid() != process_) {  // a forked child has no such thread
-      if (ahead_.joinable()) ahead_.detach();
-      return;
-    }
-    const std::lock_guard lock(ahead_mutex_);
-    if (ahead_.joinable()) ahead_.join();
+    const bool forked = getpid() != process_;  // a child has none of these threads, nor may it wait for a lock of its parent's
+    std::unique_lock lock(ahead_mutex_, std::defer_lock);
+    if (!forked) lock.lock();
+    for (Ahead& a : ahead_) forked ? a.thread.detach() : a.thread.join();
+    ahead_.clear();
   }
 
   std::unique_ptr<Buffer> buffer(void* host, std::size_t bytes, Access access) override {
@@ -201,11 +211,17 @@ class ClDevice : public Device {
   Queue queue_;
   Info info_;
   pid_t process_;
+  struct Ahead {
+    std::thread thread;
+    Future kernel;
+  };
   std::mutex mutex_, ahead_mutex_;
-  std::thread ahead_;
+  std::list<Ahead> ahead_;
   std::list<Entry> recent_;
   std::unordered_map<std::string, std::list<Entry>::iterator> index_;
   std::atomic<std::uint64_t> builds_{0};
+
+  static bool is_there(const Future& kernel) { return kernel.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
 
   // OpenCL does not survive fork: a child that used the parent's driver would hang.
   void check_process() const {

@@ -14,6 +14,12 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+// Up to so many open rays go to the reference: some milliseconds, where a kernel in double takes longer to compile than the picture to
+// draw. Where that kernel is there, up to so few.
+constexpr std::size_t kFewRays = 192, kVeryFewRays = 4;
+// Of formulas of up to so many operations: the reference differentiates them in every frame.
+constexpr std::size_t kShortProgram = 500;
+
 // The gradient of f at points, in double.
 std::array<std::vector<double>, 3> gradients(const Formulas& formulas, const std::array<std::vector<double>, 3>& points) {
   const char* names[] = {"x", "y", "z"};
@@ -173,6 +179,24 @@ std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size
     tmax.push_back(rays.tmax[i]);
   }
   return decide(answer, where, some, tmin.data(), tmax.data(), formulas, query, options);
+}
+
+void decide_open(Answer& answer, const program::Program& program, const Second& second, numerics::Query query, const Options& options) {
+  std::vector<std::size_t> open = undecided(answer, options);
+  const bool few = open.empty() || (open.size() <= kFewRays && program.code.size() <= kShortProgram && options.refers());
+  // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes, nor wait for the reference.
+  const bool worth = open.size() > kVeryFewRays, ready = few && answer.builds == 0 && (worth || program.inputs() > 0) && second.prepare() && worth;
+  query.quick = true;
+  if (few && !ready && !open.empty()) open = second.refer(open, query);
+  if (open.empty() || answer.outcome != device::Outcome::done) return;
+  scatter(answer, second.pass(open), open);
+  if (!ready || answer.outcome != device::Outcome::done) return;
+  // Statuses do not depend on which of the two came first.
+  open = undecided(answer, options);
+  if (open.empty()) return;
+  const std::size_t counted = answer.escalated;
+  second.refer(open, query);
+  answer.escalated = counted;
 }
 
 }  // namespace irt::render

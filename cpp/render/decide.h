@@ -1,6 +1,7 @@
 // Rays that a kernel left open, decided by the reference on the host and shaded there: a few rays are not worth a kernel.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,17 +11,6 @@
 #include "render/launch.h"
 
 namespace irt::render {
-
-// Up to so many open rays go to the reference: some milliseconds, where a kernel in double takes longer to compile than
-// the picture to draw.
-inline constexpr std::size_t kFewRays = 192;
-// Of formulas of up to so many operations: the reference differentiates them in every frame.
-inline constexpr std::size_t kShortProgram = 500;
-
-// Whether the rays `open` are few enough.
-inline bool refers(const std::vector<std::size_t>& open, const program::Program& program, const Options& options) {
-  return !open.empty() && open.size() <= kFewRays && program.code.size() <= kShortProgram && options.refers();
-}
 
 // Pixels row * pitch + column of a view as rays with unit directions.
 std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size_t>& pixels, std::size_t pitch);
@@ -43,6 +33,16 @@ std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& 
 // The same for some of a batch of rays, which are the answer's elements.
 std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size_t>& where, const Rays& rays, const Formulas& formulas,
                                      const numerics::Query& query, const Options& options);
+
+// How rays that single precision left open, elements of the answer, are decided.
+struct Second {
+  std::function<std::vector<std::size_t>(const std::vector<std::size_t>&, const numerics::Query&)> refer;  // `decide`
+  std::function<Answer(const std::vector<std::size_t>&)> pass;                                             // by the kernel in double
+  std::function<bool()> prepare;  // begins to build that kernel; whether it is there
+};
+
+// By the reference in its quick way and the kernel in double: by whichever is at hand first, and what that leaves by the other.
+void decide_open(Answer& answer, const program::Program& program, const Second& second, numerics::Query query, const Options& options);
 
 // Unit normals towards the viewer at the points of the rays given, from the gradient in double; nan where there is none. `front`: the
 // side of the viewer is that where f > 0.

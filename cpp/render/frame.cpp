@@ -132,21 +132,15 @@ Answer camera_passes(const program::Program& program, const Formulas& formulas, 
       for (std::size_t& i : which) i = (*pixels)[i];
     return which;
   };
-  std::vector<std::size_t> open = undecided(answer, options);
-  if (refers(open, program, options)) {
-    numerics::Query query = query_of(formulas, bounds, options);
-    query.quick = true;
-    open = decide(answer, open, rays_of(view, named(open), pixels ? pitch : answer.pitch), formulas, query, options);
-    if (answer.outcome != device::Outcome::done) return answer;
-  }
-  if (open.empty()) {
-    // A formula that is drawn again with parameters has a slider, which should compile nothing wherever it is moved.
-    if (program.inputs() && answer.builds == 0)
-      prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device);
-    return answer;
-  }
-  const auto which = named(open);
-  scatter(answer, pass(program, view, bounds, options, device, Precision::Double, &which, pixels ? pitch : answer.pitch), open);
+  const std::size_t rows = pixels ? pitch : answer.pitch;
+  const Second again{
+      [&](const std::vector<std::size_t>& open, const numerics::Query& query) { return decide(answer, open, rays_of(view, named(open), rows), formulas, query, options); },
+      [&](const std::vector<std::size_t>& open) {
+        const auto which = named(open);
+        return pass(program, view, bounds, options, device, Precision::Double, &which, rows);
+      },
+      [&] { return prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device); }};
+  decide_open(answer, program, again, query_of(formulas, bounds, options), options);
   return answer;
 }
 

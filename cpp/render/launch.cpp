@@ -238,8 +238,8 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
   return with_options(spec, options);
 }
 
-void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device) {
-  device.prepare(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
+bool prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device) {
+  return device.prepare(kernel::assemble(program, spec), kernel::entry_name(spec.entry));
 }
 
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,

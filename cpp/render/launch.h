@@ -40,8 +40,8 @@ kernel::Spec spec_of(const program::Program& program, const Bounds& bounds, cons
 // A colour in linear light, and its alpha, as sRGB bytes.
 std::uint32_t pixel_of(const std::array<double, 4>& color);
 
-// Begins to build a kernel that a later call may need.
-void prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device);
+// Begins to build a kernel that a later call may need. Whether it is there already.
+bool prepare(const program::Program& program, const kernel::Spec& spec, device::Device& device);
 
 // One launch of a kernel that writes into `answer`; `inputs` are the arguments that make the rays, `more` those after the results.
 void launch(const program::Program& program, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,

@@ -28,16 +28,11 @@ Answer trace_rays(const program::Program& program, const Formulas& formulas, con
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
   if (!second || answer.outcome != device::Outcome::done) return answer;
-  std::vector<std::size_t> open = undecided(answer, options);
-  if (refers(open, program, options)) {
-    numerics::Query query = query_of(formulas, bounds, options);
-    query.quick = true;
-    open = decide_rays(answer, open, rays, formulas, query, options);
-    if (answer.outcome != device::Outcome::done) return answer;
-  }
-  if (open.empty() && program.inputs() && answer.builds == 0)  // as in camera_passes
-    prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::RayList), device);
-  if (!open.empty()) scatter(answer, pass(program, rays, &open, bounds, options, device, Precision::Double), open);
+  const Second again{
+      [&](const std::vector<std::size_t>& open, const numerics::Query& query) { return decide_rays(answer, open, rays, formulas, query, options); },
+      [&](const std::vector<std::size_t>& open) { return pass(program, rays, &open, bounds, options, device, Precision::Double); },
+      [&] { return prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::RayList), device); }};
+  decide_open(answer, program, again, query_of(formulas, bounds, options), options);
   return answer;
 }
 

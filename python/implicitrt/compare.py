@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr, ExprLike, sympify
 from implicitrt.frame import Frame, Status
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 __all__ = ["Comparison", "Point", "compare"]
+
+# Frames of each point before those that are timed: the first builds its kernel, behind the second one that is needed at times may be built.
+UNTIMED = 2
 
 
 @dataclass(frozen=True)
@@ -219,19 +223,21 @@ def _in_turns(
     f: Any, methods: Sequence[Any], runs: int, keywords: dict[str, Any]
 ) -> tuple[dict[str, Frame], dict[str, list[float]], bool]:
     """The last frame and the milliseconds of each method that takes the formula, and whether Ctrl-C cut it short. Methods take
-    turns, so that other load on the machine hits all alike; the first turn does not count."""
+    turns, so that other load on the machine hits all alike; the first two turns do not count."""
     last: dict[str, Frame] = {}
     times: dict[str, list[float]] = {}
     able = {m if isinstance(m, str) else repr(m): m for m in methods}
     try:
-        for run in range(runs + 1):
+        for run in range(-UNTIMED, runs):
+            if run == 0:
+                open_device(keywords["device"]).finish()
             for label, method in list(able.items()):
                 try:
                     frame = render(f, method=method, **keywords)
                 except MethodError:  # it does not take this formula
                     del able[label]
                     continue
-                if run:
+                if run >= 0:
                     last[label] = frame
                     times.setdefault(label, []).append(1e3 * frame.stats.seconds["kernel"])
     except KeyboardInterrupt:
@@ -260,7 +266,7 @@ def compare(
         eps: a number or several, in units of distance.
         size: of the pictures, (width, height).
         bounds: as in `render`, for all of the formulas.
-        runs: timed frames of each point, whose median counts; one more goes before them. Methods take turns.
+        runs: timed frames of each point, whose median counts; two more go before them. Methods take turns.
         precision, rounding: as in `render`.
         progress: called with a line for each point; default: a line on standard error where that is a terminal.
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import implicitrt as irt
+from implicitrt.devices import open_device
 
 FEW = {
     "sphere": "x^2 + y^2 + z^2 - 1.0625",
@@ -39,6 +40,29 @@ def test_few_open_pixels_need_no_second_kernel(name: str, method: str) -> None:
     assert (auto.status == reference.kind)[changed].all()
     hit = changed & (auto.status == irt.Status.HIT)
     assert (np.abs(auto.depth[hit] - reference.depth[hit]) <= 1e-11).all()
+
+
+@pytest.mark.parametrize("trace", [False, True])
+def test_what_is_drawn_again_waits_neither_for_a_kernel_nor_for_the_reference(trace: bool) -> None:
+    """The kernel in double is built behind the second frame. What it decides the reference does not differ from."""
+    f, camera = "sin(1.25*x) + cos(y)*z - 1.0625*x^2", irt.Camera((1.5, 1.2, 2.4))
+    origins, directions = (a.reshape(-1, 3) for a in camera.rays(SIZE))
+
+    def draw() -> irt.Frame | irt.Hits:
+        if trace:
+            return irt.trace(f, origins, directions, bounds=2, method="contract", eps=1e-4)
+        return irt.render(f, camera=camera, size=SIZE, method="contract", eps=1e-4)
+
+    first, second = draw(), draw()
+    open_device(None).finish()
+    later = draw()
+    assert first.stats.by_reference == second.stats.by_reference == first.stats.escalated == later.stats.escalated > 4
+    assert second.stats.builds == later.stats.builds == 0 and later.stats.by_reference == 0
+    assert (later.status == first.status).all()
+    depths = (later.t, first.t) if trace else (later.depth, first.depth)  # type: ignore[union-attr]
+    changed = depths[0] != depths[1]
+    assert 0 < changed.sum() <= later.stats.escalated
+    assert (np.abs(depths[0][changed] - depths[1][changed]) <= (later.uncertainty + first.uncertainty)[changed]).all()
 
 
 @pytest.mark.parametrize("shift", [None, 0.25])
