@@ -2,8 +2,8 @@
 // rounding of the reach; ends of ranges are bounds.
 
 static inline RA ra_exp(RA a, IA range, IA result) {
-  const F reach = ra_rad(a), v = exp(a.x), top = max(v, result.hi);
-  return ra_smooth(a, reach, v, v, (F)0, R(0.5) * reach * reach * top, R(3.0), ALL, result);
+  const F reach = ra_rad(a), v = exp(min(a.x, range.hi)), top = max(v, result.hi);
+  return ra_smooth(a, reach, v, v, (F)0, R(0.5) * reach * reach * top, R(3.0), LE(a.x, range.hi), result);
 }
 
 // q errs by 3 ulp.

@@ -1,5 +1,8 @@
 // Exponential, logarithm and hyperbolic functions over intervals.
 
+// A range of what is never positive.
+static inline IA ia_nonpositive(IA a) { return ia(min(a.lo, (F)0), min(a.hi, (F)0)); }
+
 static inline IA ia_exp(IA a) {
   return ia(max(LOWER(CAP_EARLY(exp(a.lo)), R(3.0)), (F)0), UPPER(exp(a.hi), R(3.0)));
 }

@@ -187,7 +187,7 @@ class AffineEmitter {
     } else if (op.arity == 2) {
       value = fmt::format("{}({}, {}, {}, {}, {})", op.affine, form(in.a), form(in.b), a, b, q);
     } else {
-      value = fmt::format("{}({}, {}, {})", op.affine, form(in.a), a, q);
+      value = fmt::format("{}({}, {}, {})", op.affine, form(in.a), in.code == Code::Exp ? exponent_range(program_, in.a, a) : a, q);
     }
     text_ += fmt::format("  const RA {} = {};\n", name(v), value);
     has_form_[static_cast<std::size_t>(v)] = 1;

@@ -21,6 +21,10 @@ std::string constant_operand(const Program& program, Value v, Precision precisio
 
 }  // namespace
 
+std::string exponent_range(const Program& program, Value v, const std::string& range) {
+  return program[v].nonpositive ? fmt::format("ia_nonpositive({})", range) : range;
+}
+
 std::string interval_rule(const Program& program, Value v, const std::string& a, const std::string& b, Precision precision,
                           std::set<long>& powers) {
   const Instruction& in = program[v];
@@ -54,6 +58,7 @@ std::string interval_rule(const Program& program, Value v, const std::string& a,
       const char* rule = in.index % 2 == 0 ? "IA_POWER_EVEN" : "IA_POWER_ODD";
       return fmt::format("{}({}, power_{}, {})", rule, a, in.index, literal(0.5 * static_cast<double>(in.index)));
     }
+    case Code::Exp: return fmt::format("{}({})", op.interval, exponent_range(program, in.a, a));
     case Code::Polynomial: return fmt::format("IA_POLYNOMIAL({}, taylor_{})", a, in.index);
     default: return fill(std::string(op.interval) + (op.arity == 2 ? "($a, $b)" : "($a)"), a, b, "", name(v));
   }

@@ -38,6 +38,10 @@ double magnitude(const Program& program, const double coordinates[3], const std:
       case Code::Cbrt: r = 2 * std::cbrt(a) + 1; break;
       case Code::RealPower: r = in.value.lo > 0 ? 4 * std::pow(std::max(a, 1.0), in.value.hi) : kInfinity; break;
       case Code::Exp:
+        // Of what is never positive the emitters hand on no range above zero; its reach is squared.
+        r = 4 * std::exp(program[in.a].nonpositive ? 0 : a);
+        largest = std::max(largest, a * a);
+        break;
       case Code::Sinh:
       case Code::Cosh: r = 4 * std::exp(a); break;
       case Code::Sign: r = 2; break;

@@ -22,4 +22,7 @@ struct Operator {
 
 const Operator& describe(Code code);
 
+// The range of an operand as the helper of an exponential is to take it: not above zero where the operand never is, whatever arithmetic adds.
+std::string exponent_range(const Program& program, Value v, const std::string& range);
+
 }  // namespace irt::program

@@ -73,6 +73,7 @@ struct Instruction {
   numerics::Bounds value{0, 0};  // Constant; the exponent of RealPower
   std::int64_t index = 0;        // Coordinate, Parameter; the exponent of Power
   bool nonnegative = false;      // the value is never below zero
+  bool nonpositive = false;      // or never above
   bool partial = false;          // the value may be undefined or discontinuous somewhere
 };
 

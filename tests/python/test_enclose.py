@@ -170,3 +170,20 @@ def test_forms_contain_their_values_along_rays(formula: str, precision: str) -> 
 @pytest.mark.parametrize("formula", ["exp(60x) - 7", "cosh(60x) - 7", "sinh(60x) + y"])
 def test_forms_keep_the_end_that_did_not_overflow(formula: str) -> None:
     assert irt.enclose_rays(formula, [2, 0, 0], [1, 0, 0], 0, 1, algebra="raa")[0, 0] > 1e30
+
+
+@pytest.mark.parametrize("algebra", ["ia", "raa"])
+@pytest.mark.parametrize(
+    "formula",
+    ["exp(-x^2 - 3*y^2)", "exp(Min(-Abs(x)*y^2, z)) - exp(-x^4*z^2)", "y*exp(-x^2 - 1)", "exp(-sqrt(x^2 + 1) - (y - z)^2)", "exp(Max(-x^2, -y^2 - 2))"],
+)
+def test_exponentials_of_what_is_never_positive_do_not_overflow(formula: str, algebra: str) -> None:
+    """Wide forms of the exponent reach far above zero, where the kernel, made for values that stay small, must not look."""
+    rng = np.random.default_rng(4)
+    middle, half = rng.normal(size=(2000, 3)) * 10.0 ** rng.uniform(-2, 2.5, (2000, 1)), 10.0 ** rng.uniform(-6, 2.5, (2000, 3))
+    box = irt.enclose(formula, middle - half, middle + half, algebra=algebra).astype(np.float64)
+    assert np.isfinite(box).all() and np.abs(box / np.abs(middle).max(axis=1, keepdims=True)).max() < 1e7
+    f = irt.parse(formula)
+    for _ in range(16):
+        value = f.evaluate(*(middle + rng.uniform(-1, 1, (2000, 3)) * half).T)
+        assert ((box[:, 0] <= value + 1e-12) & (value - 1e-12 <= box[:, 1])).all()

@@ -123,6 +123,9 @@ TEST(Magnitude, TellsWhatCanOverflow) {
   EXPECT_LT(magnitude(lower(parse("x^2 + 3*y")), at, {}), 100);
   EXPECT_GT(magnitude(lower(parse("x^200")), at, {}), 1e36);
   EXPECT_GT(magnitude(lower(parse("1/x")), at, {}), 1e300);
+  EXPECT_LT(magnitude(lower(parse("exp(-99*x^2 - y^2*Abs(x) - 3) + exp(Min(y, -z^2))")), at, {}), 1e12);
+  for (const char* rises : {"exp(99*x^2)", "exp(-a*99*x^2)", "exp(-99*x^3)", "exp(-x^2 + 99*y)", "exp(Max(-x^2, 99*y))"})
+    EXPECT_GT(magnitude(lower(parse(rises)), at, {1}), 1e36) << rises;
 }
 
 TEST(Emit, AffineResultsHaveAFormWhereThereIsOneAndARangeWhereThatKnowsMore) {
