@@ -7,12 +7,13 @@
 #include <mpfr.h>
 
 #include <span>
+#include <utility>
 
 #include "expr/expr.h"
 
 namespace irt::numerics {
 
-// An MPFR number that owns its memory.
+// An MPFR number that owns its memory; what was moved from owns none.
 class Real {
  public:
   explicit Real(mpfr_prec_t precision) { mpfr_init2(value_, precision); }
@@ -21,14 +22,16 @@ class Real {
     mpfr_set(value_, other.value_, MPFR_RNDN);
   }
   Real(Real&& other) noexcept {
-    mpfr_init2(value_, MPFR_PREC_MIN);
-    mpfr_swap(value_, other.value_);
+    *value_ = *other.value_;
+    other.value_->_mpfr_d = nullptr;
   }
   Real& operator=(Real other) noexcept {
-    mpfr_swap(value_, other.value_);
+    std::swap(*value_, *other.value_);
     return *this;
   }
-  ~Real() { mpfr_clear(value_); }
+  ~Real() {
+    if (value_->_mpfr_d) mpfr_clear(value_);
+  }
   operator mpfr_ptr() { return value_; }
   operator mpfr_srcptr() const { return value_; }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <unordered_map>
 
 #include "error.h"
@@ -14,7 +15,8 @@ namespace {
 
 struct Step {
   Expr e;
-  int axis = -1;  // 0, 1, 2 for x, y, z
+  int axis = -1;       // 0, 1, 2 for x, y, z
+  bool fixed = false;  // the same at all points
   std::vector<std::size_t> args;
 };
 
@@ -22,12 +24,15 @@ std::vector<Step> steps_of(const Expr& f) {
   std::vector<Step> steps;
   std::unordered_map<const Node*, std::size_t> known;
   for (const Expr& e : postorder(f)) {
-    Step s{e, -1, {}};
+    Step s{e, -1, e.op() != Op::Symbol, {}};
     if (e.op() == Op::Symbol) {
       s.axis = e.name() == "x" ? 0 : e.name() == "y" ? 1 : e.name() == "z" ? 2 : -1;
       if (s.axis < 0) throw ExpressionError("'" + e.name() + "' has no value here; only x, y and z have");
     }
-    for (const Expr& a : e.args()) s.args.push_back(known.at(a.key()));
+    for (const Expr& a : e.args()) {
+      s.args.push_back(known.at(a.key()));
+      s.fixed = s.fixed && steps[s.args.back()].fixed;
+    }
     known[e.key()] = steps.size();
     steps.push_back(std::move(s));
   }
@@ -41,26 +46,34 @@ std::vector<std::array<double, 2>> values_at(const Expr& f, std::span<const std:
   constexpr mpfr_prec_t kFirst = 128, kLast = 4096;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Step> steps = steps_of(f);
-  std::vector<std::array<double, 2>> out;
-  out.reserve(points.size());
+  std::vector<std::array<double, 2>> out(points.size(), {kNone, kNone});
+  std::vector<std::size_t> open(points.size());
+  std::iota(open.begin(), open.end(), std::size_t{0});
   std::vector<const MpfrInterval*> args;
-  for (const auto& point : points) {
-    std::array<double, 2> best{kNone, kNone};
-    for (mpfr_prec_t p = kFirst; p <= kLast; p *= 2) {
-      std::vector<MpfrInterval> values;
-      values.reserve(steps.size());
-      for (const Step& s : steps) {
+  for (mpfr_prec_t p = kFirst; p <= kLast && !open.empty(); p *= 2) {
+    std::vector<MpfrInterval> values(steps.size(), MpfrInterval(p));
+    bool first = true;
+    std::vector<std::size_t> left;
+    for (const std::size_t i : open) {
+      for (std::size_t k = 0; k < steps.size(); ++k) {
+        const Step& s = steps[k];
+        if (s.fixed && !first) continue;
+        if (s.axis >= 0) {
+          const double at = points[i][static_cast<std::size_t>(s.axis)];
+          values[k] = MpfrInterval::of(at, at, p);
+          continue;
+        }
         args.clear();
         for (std::size_t a : s.args) args.push_back(&values[a]);
-        const double at = s.axis >= 0 ? point[static_cast<std::size_t>(s.axis)] : 0;
-        values.push_back(s.axis >= 0 ? MpfrInterval::of(at, at, p) : apply(s.e, args, p));
+        values[k] = apply(s.e, args, p);
       }
+      first = false;
       const MpfrInterval& v = values.back();
-      if (v.empty) break;
-      best = {mpfr_get_d(v.lo, MPFR_RNDD), mpfr_get_d(v.hi, MPFR_RNDU)};
-      if (best[0] == best[1] || std::nextafter(best[0], HUGE_VAL) == best[1]) break;
+      if (v.empty) continue;
+      auto& best = out[i] = {mpfr_get_d(v.lo, MPFR_RNDD), mpfr_get_d(v.hi, MPFR_RNDU)};
+      if (best[0] != best[1] && std::nextafter(best[0], HUGE_VAL) != best[1]) left.push_back(i);
     }
-    out.push_back(best);
+    open = std::move(left);
   }
   return out;
 }
