@@ -84,9 +84,11 @@ class AffineEmitter {
     emit_inherited(program_, v, text_);
   }
 
-  // What forms lose and ranges keep, so that ranges go along with the forms from there on. A range that has lost an end is none of a form. One
-  // that jumps stays as wide in the shortest piece: later forms of it, as squares, reach where nothing is.
+  // What forms lose and ranges keep, so that ranges go along with the forms from there on. A range that has lost an end is none of a form, and high
+  // powers bend so much that only their ranges tell anything of long pieces: there the result is both. What jumps stays as wide in the shortest
+  // piece: later forms of it, as squares, reach where nothing is.
   static constexpr char kNothing = 0, kJump = 1, kEnd = 2;
+  static constexpr long kSteep = 20;  // exponents above it cost less with their ranges than without (docs/performance.md)
 
   char loses(Value v) const {
     switch (program_[v].code) {
@@ -99,6 +101,7 @@ class AffineEmitter {
       case Code::Sinh:
       case Code::Cosh: return infinite_ ? kEnd : kNothing;
       case Code::RealPower: return program_[v].value.lo < 0 ? kEnd : kNothing;
+      case Code::Power: return program_[v].index > kSteep ? kEnd : kNothing;
       case Code::Atan2:
       case Code::Mod:
       case Code::Select: return kJump;
@@ -114,19 +117,20 @@ class AffineEmitter {
     // What has forgotten where on the ray it is gains nothing from forms.
     if (in.a >= 0 && only_range(in.a) && only_range(in.b)) {
       out_.files.insert(op.interval_file);
-      loses_[static_cast<std::size_t>(v)] = inherits(in);
+      loses_[static_cast<std::size_t>(v)] = inherits(v);
       const std::string a = range(in.a), b = range(in.b);
       return define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
     emit_form(v);
-    if (!(loses_[static_cast<std::size_t>(v)] = inherits(in)) || has_range_[static_cast<std::size_t>(v)]) return;
+    if (!(loses_[static_cast<std::size_t>(v)] = inherits(v)) || has_range_[static_cast<std::size_t>(v)]) return;
     const std::string a = range(in.a), b = range(in.b);
     text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), name(v), interval_rule(program_, v, a, b, precision_, powers_));
     has_range_[static_cast<std::size_t>(v)] = 1;
   }
 
-  char inherits(const Instruction& in) const {
-    char most = kNothing;
+  char inherits(Value v) const {
+    const Instruction& in = program_[v];
+    char most = loses(v);
     for (Value w : {in.a, in.b, in.c})
       if (w >= 0) most = std::max(most, loses_[static_cast<std::size_t>(w)]);
     return most;
@@ -173,7 +177,7 @@ class AffineEmitter {
     } else {
       define_range(v, interval_rule(program_, v, a, b, precision_, powers_));
     }
-    loses_[static_cast<std::size_t>(v)] = std::max(loses(v), inherits(in));
+    loses_[static_cast<std::size_t>(v)] = inherits(v);
     const bool chooses = in.code == Code::Select;
     if (!op.affine || (chooses ? only_range(in.b) && only_range(in.c) : only_range(in.a) && only_range(in.b))) return;
     out_.files.insert(op.affine_file);

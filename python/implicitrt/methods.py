@@ -241,7 +241,7 @@ ENTRIES = MappingProxyType({
 _METHODS = MappingProxyType(
     {name: e.method for name, e in ENTRIES.items()}
     | {"auto": Method("auto", "every formula", "inclusion", _INCLUSION_OPTIONS,
-                      "contract, ia for planes, jumps and high even powers, frames of polynomials by frustum-newton; see explain")}
+                      "contract, ia for planes, frames of polynomials by frustum-newton; see explain")}
 )  # fmt: skip
 
 
@@ -282,24 +282,16 @@ def _choose_for_frames(expr: Expr) -> tuple[str, str]:
 @lru_cache(maxsize=256)
 def _choose(expr: Expr) -> tuple[str, str]:
     """The method that auto takes for rays in any order, and why."""
-    jumps = choice = curved = powers = 0
+    choice = curved = 0
     stack, seen = [expr._node], set()
     while stack:
         node = stack.pop()
         if node in seen:
             continue
         seen.add(node)
-        jumps += node.op in ("Mod", "floor", "ceiling", "sign", "Piecewise")
         choice += node.op in ("Min", "Max", "Abs")
         curved += node.op in _CURVED or (node.op == "Mul" and sum(a.op != "Number" for a in node.args) > 1)
-        if node.op == "Pow" and node.args[1].op == "Number":
-            p, q = node.args[1].ratio()
-            powers += q == 1 and p % 2 == 0 and p > 40
         stack.extend(node.args)
-    if powers:
-        return "ia", "it has even powers above 40, whose ranges interval arithmetic keeps tight"
-    if jumps:
-        return "ia", "it has jumps, at which affine forms fall back to ranges anyway"
     if choice and not curved:
         return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
     return "contract", "affine forms tell along the ray where zeros may lie"

@@ -133,6 +133,7 @@ TEST(Emit, AffineResultsHaveAFormWhereThereIsOneAndARangeWhereThatKnowsMore) {
   EXPECT_EQ(result("x^2 + sin(y)"), Result::form);
   EXPECT_EQ(result("x + 1/(y + 2)"), Result::both);
   EXPECT_EQ(result("x*log(y)"), Result::both);
+  EXPECT_EQ(result("x^200 + y"), Result::both);
   EXPECT_EQ(result("floor(x)"), Result::range);
 }
 
