@@ -87,11 +87,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     cell.guess = (before - near) * inverse;
 #endif
     cell.reach = REACH(ray) * inverse;
-    found.hits = found.open = NONE;
+    found.hits = found.touches = found.spent = NONE;
     found.lo = found.hi = (F)0;
     search_cell(&cell, open, max_pieces, &found);
-    if (!ANY(found.hits | found.open)) continue;
-    const I ended = found.hits | found.open;
+    const I ended = found.hits | found.touches | found.spent, shown = found.hits | found.touches;
+    if (!ANY(ended)) continue;
     const F middle = place_of(&found), s = fma(middle, (F)length, (F)near);
     root.status = SELECT(ended, status_of(&found), root.status);
     at = SELECT(ended, middle, at);
@@ -99,7 +99,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     at_length = SELECT(ended, (F)length, at_length);
     root.half_width = SELECT(ended, max(found.hi - middle, middle - found.lo) * length * (R(1.0) + R(4.0) * ULP), root.half_width);
 #if IRT_GRADIENT_FOUND
-    if (ANY(found.hits)) {
+    if (ANY(shown)) {
       F slopes[N];
       contract_columns(plane, column, SLOPE, across, slopes);
       const F along_x = value_at(slopes, IRT_DEGREE, middle);
@@ -114,9 +114,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
       const F sx = VIEW(11) * (ray->dx * VIEW(0) + ray->dy * VIEW(1) + ray->dz * VIEW(2)),
               sy = VIEW(11) * (ray->dx * VIEW(3) + ray->dy * VIEW(4) + ray->dz * VIEW(5));
       const F forward = along_s - sx * right - sy * up;
-      root.gx = SELECT(found.hits, right * VIEW(0) + up * VIEW(3) + forward * VIEW(6), root.gx);
-      root.gy = SELECT(found.hits, right * VIEW(1) + up * VIEW(4) + forward * VIEW(7), root.gy);
-      root.gz = SELECT(found.hits, right * VIEW(2) + up * VIEW(5) + forward * VIEW(8), root.gz);
+      root.gx = SELECT(shown, right * VIEW(0) + up * VIEW(3) + forward * VIEW(6), root.gx);
+      root.gy = SELECT(shown, right * VIEW(1) + up * VIEW(4) + forward * VIEW(7), root.gy);
+      root.gz = SELECT(shown, right * VIEW(2) + up * VIEW(5) + forward * VIEW(8), root.gz);
     }
 #endif
     active &= ~ended;

@@ -28,10 +28,11 @@
 #define VALUE_ERROR R(0.0)
 #endif
 
-// What has been found in a cell, in its own units: 0 at its near end, 1 at its far end.
+// What has been found in a cell, in its own units: 0 at its near end, 1 at its far end. What stays open is a touch where more cuts would not
+// decide it: f is there within its error of zero. Other rays have spent what they may.
 typedef struct {
-  I hits, open;
-  F lo, hi;  // of hits
+  I hits, touches, spent;
+  F lo, hi;  // brackets of hits, pieces that stay open
 #if IRT_PIECES
   I pieces;
 #endif
@@ -165,6 +166,9 @@ static inline F polygon_zero(const F* c, F sign) {
   return zero;
 }
 
+// Whether a piece is at the floor of the precision: too short to be cut, or nothing of it rises beyond the error.
+static inline I at_floor(F length, F size, F error) { return LT(length, (F)(R(16.0) * ULP)) | LE(size, error); }
+
 static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* found);
 
 // Whether the polynomial changes its sign between lo and hi, beyond all error.
@@ -174,5 +178,5 @@ static inline I brackets(const CELL* cell, F lo, F hi, F sign) {
 }
 
 // What a search has found, for ROOT: a status, and the place within the part, 0 to 1.
-static inline I status_of(const FOUND* found) { return SELECT(found->hits, HIT, SELECT(found->open, IRT_OUTWARD ? UNRESOLVED : TOUCH, MISS)); }
-static inline F place_of(const FOUND* found) { return SELECT(found->hits, R(0.5) * (found->lo + found->hi), found->lo); }
+static inline I status_of(const FOUND* found) { return SELECT(found->hits, HIT, SELECT(found->touches, TOUCH, SELECT(found->spent, UNRESOLVED, MISS))); }
+static inline F place_of(const FOUND* found) { return SELECT(found->spent, found->lo, R(0.5) * (found->lo + found->hi)); }

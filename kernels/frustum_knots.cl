@@ -3,7 +3,7 @@
 //
 // The method's file says where the knot goes: `knot_of`. Before the knot at which the first coefficient that may have the other sign
 // begins to count, the spline is proven free of zeros (all coefficients that count there have one sign).
-#define MOST_KNOTS (16 + 5 * IRT_DEGREE)
+#define MOST_KNOTS (48 + 3 * IRT_DEGREE)
 #define MOST_COEFFICIENTS (N + MOST_KNOTS)
 #define MOST_WIDENINGS ((I)4)  // each by four
 
@@ -25,7 +25,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     // The first coefficient that may be of the other sign, the polygon's zero before it, and how often signs change.
     F sum = (F)0;
     for (int i = 1; i <= IRT_DEGREE; ++i) sum += t[i];
-    F zero = (F)1, free_until = (F)1, place = sum * (R(1.0) / IRT_DEGREE);
+    F zero = (F)1, free_until = (F)1, place = sum * (R(1.0) / IRT_DEGREE), doubt = place;
     I seen = LE(sign * c[0], error), other = NONE, doubtful = NONE, bad = seen, crossed = NONE;
     free_until = SELECT(seen, (F)0, free_until);
     for (int i = 1; i < count; ++i) {
@@ -35,6 +35,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       const F p = fabs(c[i - 1]);
       zero = SELECT(crosses, fma(p / max(p + fabs(v), (F)TINY), next - place, place), zero);
       free_until = SELECT(first, t[i], free_until);
+      doubt = SELECT(first, next, doubt);
       bad |= ~is_other & (other | doubtful);
       doubtful |= ~(is_other | is_same);
       other |= is_other;
@@ -44,29 +45,37 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     }
     lanes &= seen;  // the others are free of zeros
     isolated |= other & ~bad;
+    zero = SELECT(crossed, zero, doubt);
     const F x = fma(clamp(zero, (F)0, (F)1), length, start), free = fma(free_until, length, start);
-    const I settled = lanes & ((isolated & (LT(fabs(x - last), cell->reach))) | (other & LT(x - free, cell->reach)));
+    const F width = cell->reach * TO_F((I)1 << (widenings + widenings));
+    const I settled = lanes & ((isolated & (LT(fabs(x - last), cell->reach))) | (other & LT(x - free, width)));
+    // Guards that prove no more: error keeps them from the root.
+    if (count % IRT_DEGREE == 0) widenings -= lanes & ~settled & LT(fabs(x - last), R(0.125) * cell->reach) & LT(widenings, MOST_WIDENINGS);
     if (ANY(settled)) {
-      const F width = cell->reach * TO_F((I)1 << (widenings + widenings));
       const F lo = SELECT(isolated, max(x - width, start), free), hi = min(x + width, cell->hi);
       const I good = settled & brackets(cell, lo, hi, sign), counts = GE(lo, cell->in_lo) & LE(hi, cell->in_hi);
       const I failed = settled & ~good, given_up = (failed & GE(widenings, MOST_WIDENINGS)) | (good & ~counts);
       widenings -= failed & LT(fabs(x - last), R(0.125) * cell->reach);
       found->hits |= good & counts;
-      found->open |= given_up;
-      found->lo = SELECT(good, lo, SELECT(given_up, free, found->lo));
-      found->hi = SELECT(good, hi, SELECT(given_up, cell->hi, found->hi));
+      found->touches |= given_up;
+      found->lo = SELECT(good | given_up, lo, found->lo);
+      found->hi = SELECT(good | given_up, hi, found->hi);
       lanes &= ~(good | given_up);
     }
-    if (count >= MOST_COEFFICIENTS - 1 || count - N >= max_pieces) {
-      found->open |= lanes;
+    const bool full = count >= MOST_COEFFICIENTS - 1;
+    if (full || count - N >= max_pieces) {
+      // Knots gather at the first coefficient in doubt: what is zero there within the error, more of them would not decide.
+      const F middle = fma(doubt, length, start), v = value_at(cell->c, IRT_DEGREE, middle);
+      const I drowns = LE(fabs(v), fma((F)VALUE_ERROR, cell->size, error));
+      found->touches |= full ? lanes & drowns : NONE;
+      found->spent |= full ? lanes & ~drowns : lanes;
       found->lo = SELECT(lanes, free, found->lo);
-      found->hi = SELECT(lanes, cell->hi, found->hi);
+      found->hi = SELECT(lanes, middle + (middle - free), found->hi);
       return;
     }
     // Where more roots may follow, knots a little before the root have to prove that it is the first.
     const I guards = ~isolated & LT(fabs(x - last), R(0.25) * cell->reach);
-    const F place_of = SELECT(guards, x - R(0.5) * cell->reach, knot_of(x, last, before));
+    const F place_of = SELECT(guards, max(x - R(0.5) * cell->reach, R(0.5) * (free + x)), knot_of(x, last, before));
     const F own = clamp(place_of - start, (F)0, length) / max(length, (F)TINY), knot = SELECT(isolated, own, cut_near(cell, count - N, start, cell->hi, own));
     before = last;
     last = x;

@@ -3,7 +3,7 @@
 //
 // The root of a piece that has exactly one is closed in on by regula falsi with Anderson and Bjorck's weights, and proven between two
 // evaluations beyond all error.
-#define MOST_HALVINGS 40
+#define MOST_HALVINGS 80
 #define MOST_STEPS 20
 #define MOST_WIDENINGS 5  // each by four
 #define NARROWEST R(1e-4)
@@ -37,14 +37,12 @@ static inline void close_in(const CELL* cell, const F* c, F a, F b, F sign, I la
     const I shorter = good & ~counts & GT(narrowed, (F)NARROWEST), done = good & ~shorter;
     narrowed = SELECT(shorter, narrowed * R(0.0625), narrowed);
     found->hits |= done & counts;
-    found->open |= done & ~counts;
-    found->lo = SELECT(done, SELECT(counts, from, a), found->lo);
-    found->hi = SELECT(done, SELECT(counts, to, b), found->hi);
+    found->touches |= done & ~counts;
+    found->lo = SELECT(settled, from, found->lo);
+    found->hi = SELECT(settled, to, found->hi);
     lanes &= ~done;
   }
-  found->open |= lanes;
-  found->lo = SELECT(lanes, a, found->lo);
-  found->hi = SELECT(lanes, b, found->hi);
+  found->touches |= lanes;
 }
 
 // Where the control polygon of the derivative first says that the polynomial, positive (times sign), has come down and turns, as a share of the piece: cut
@@ -71,11 +69,12 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   // No sign changes before the first root.
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
   lanes &= ~one_sign(c, error);
+  F size = largest_of(c);
   I isolated = lanes & one_root(c, error, sign);
-  I moves = lanes & ~isolated;
+  I moves = lanes & ~isolated, stuck = NONE;
   for (int n = 0; n < MOST_HALVINGS && n < max_pieces && ANY(moves); ++n) {
     COUNT(moves)
-    const F share = cut_near(cell, n, a, b, n % 4 == 3 ? (F)HALF_AND_A_LITTLE : valley_of(c, sign)), x = fma(share, b - a, a), next_error = fma((F)CUT_ERROR, largest_of(c), error);
+    const F share = cut_near(cell, n, a, b, n % 4 == 3 ? (F)HALF_AND_A_LITTLE : valley_of(c, sign)), x = fma(share, b - a, a), next_error = fma((F)CUT_ERROR, size, error);
     cut_at(c, share, front, rest);
     const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind;
     const I done = go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);
@@ -83,11 +82,15 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     lanes &= ~done;
     const I alone = moves & one_root(c, error, sign);
     isolated |= alone;
-    moves &= ~alone & GE(b - a, (F)(R(16.0) * ULP));  // roots closer together than the precision tells apart
+    moves &= ~alone;
+    size = largest_of(c);
+    stuck |= moves & at_floor(b - a, size, error);
+    moves &= ~stuck;
   }
-  const I stuck = lanes & ~isolated;
-  found->open |= stuck;
-  found->lo = SELECT(stuck, a, found->lo);
-  found->hi = SELECT(stuck, b, found->hi);
+  const I open = lanes & ~isolated;
+  found->touches |= stuck;
+  found->spent |= moves;
+  found->lo = SELECT(open, a, found->lo);
+  found->hi = SELECT(open, b, found->hi);
   if (ANY(isolated)) close_in(cell, c, a, b, sign, isolated, found);
 }

@@ -4,7 +4,9 @@
 //
 // The method's file says where to cut: `cut_of`. With IRT_OUTWARD a sign counts only beyond the error that the coefficients carry, and
 // a hit is a bracket between two evaluations, of the only root that is left.
-#define MOST_CUTS 48
+#define MOST_CUTS 80
+#define PATIENCE 16  // cuts after which pieces are halved, down to the floor of the precision
+#define HALF_AND_A_LITTLE R(0.515625)
 #define MOST_WIDENINGS ((I)4)  // each by four
 
 // Where to cut a piece, as a share of it; `sign` is that of the polynomial at its start.
@@ -15,15 +17,15 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
   F a = cell->lo, b = cell->hi, error = begin_with(cell, lanes, c);
   // No sign changes before the first root.
   const F sign = SELECT(LT(c[0], (F)0), (F)-1, (F)1);
+  F size = largest_of(c);
   F last = (F)-4, before = (F)-8;  // the latest estimates of the root
   I widenings = NONE, isolated = NONE;  // exactly one root is left in the piece
   for (int n = 0; n < MOST_CUTS && n < max_pieces && ANY(lanes); ++n) {
     COUNT(lanes)
-    const F size = largest_of(c);
     isolated |= one_root(c, error, sign);
     // While there may be more roots than one, a little behind: a cut in a root would leave its sign unknown on both sides.
     const F cut = cut_of(c, sign, last, before, a, b), beyond = max(R(4.0) * cell->reach / (b - a), (F)R(0.015625));
-    const F share = SELECT(isolated, cut, cut_near(cell, n, a, b, min(cut + beyond, R(0.5) + R(0.5) * cut)));
+    const F wished = SELECT(isolated, cut, cut_near(cell, n, a, b, min(cut + beyond, R(0.5) + R(0.5) * cut))), share = n < PATIENCE ? wished : (F)HALF_AND_A_LITTLE;
     const F x = fma(share, b - a, a);
     cut_at(c, share, front, rest);
     const F next_error = fma((F)CUT_ERROR, size, error), at_cut = sign * rest[0];
@@ -37,9 +39,9 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
       const I given_up = (failed & GE(widenings, MOST_WIDENINGS)) | (good & ~counts);
       widenings -= failed;
       found->hits |= good & counts;
-      found->open |= given_up;
-      found->lo = SELECT(good, lo, SELECT(given_up, a, found->lo));
-      found->hi = SELECT(good, hi, SELECT(given_up, b, found->hi));
+      found->touches |= given_up;
+      found->lo = SELECT(good | given_up, lo, found->lo);
+      found->hi = SELECT(good | given_up, hi, found->hi);
       lanes &= ~(good | given_up);
     }
     const I free = one_sign(front, next_error);
@@ -47,14 +49,14 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     before = SELECT(moves, last, before);
     last = SELECT(moves, x, last);
     lanes &= ~go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);
-    // Roots closer together than the precision tells apart.
-    const I stuck = lanes & LT(b - a, (F)(R(16.0) * ULP)) & ~settled;
-    found->open |= stuck;
+    size = largest_of(c);
+    const I stuck = lanes & ~settled & ~isolated & at_floor(b - a, size, error);
+    found->touches |= stuck;
     found->lo = SELECT(stuck, a, found->lo);
     found->hi = SELECT(stuck, b, found->hi);
     lanes &= ~stuck;
   }
-  found->open |= lanes;
+  found->spent |= lanes;
   found->lo = SELECT(lanes, a, found->lo);
   found->hi = SELECT(lanes, b, found->hi);
 }

@@ -21,9 +21,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_PIECES
   found.pieces = NONE;
 #endif
-  found.hits = found.open = NONE;
-  found.lo = found.hi = (F)0;
-  const I lanes = LE(range->out0, range->out1) & LT(cell.lo, cell.hi) & ~one_sign(cell.c, cell.error);
+  found.hits = found.touches = NONE;
+  found.lo = cell.lo;
+  found.hi = cell.hi;
+  const I open = LE(range->out0, range->out1) & LT(cell.lo, cell.hi) & ~one_sign(cell.c, cell.error), lanes = open & LT(cell.error, INF);
+  found.spent = open & ~lanes;  // coefficients beyond all reals
   if (ANY(lanes)) search_cell(&cell, lanes, max_pieces, &found);
   const F place = place_of(&found);
   ROOT root;

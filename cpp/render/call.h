@@ -110,7 +110,7 @@ struct Options {
   device::Control control;
 
   // Whether few open rays go to the reference: where statuses are proven, and no budget of pieces was set.
-  bool refers() const { return outward && max_pieces == 0 && (finder == "bisection" || finder == "contract" || finder == "mitchell"); }
+  bool refers() const { return outward && max_pieces == 0 && (by_frustum() || finder == "bisection" || finder == "contract" || finder == "mitchell"); }
   std::optional<Previous> previous;  // of by_frustum()
   bool or_march = false;  // of the frustum form: where it is refused, or leaves many pixels open, contraction goes on
   // Root finders of the frustum form take coefficients instead of a program.

@@ -417,7 +417,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     open = undecided(answer, options);
     answer.escalated -= open.size();  // they are counted once
   }
-  if (open.empty() || marches(kReferenceShare, kReferenceLeast)) return answer;
+  if (open.empty() || marches(kReferenceShare, kReferenceLeast) || !options.refers()) return answer;
   const std::size_t counted = answer.escalated + open.size();
   decide(answer, open, rays_of(view, open, answer.pitch), unclipped, query_of(unclipped, bounds, options), options);
   answer.escalated = counted;
@@ -478,7 +478,7 @@ Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& b
   launch(kernel::assemble_frustum(spec), spec, {list.get(), static_cast<std::int32_t>(stride)}, settings,
          {values.get(), static_cast<std::int32_t>(stride), half}, options, device, answer);
   if (answer.outcome != device::Outcome::done) return answer;
-  if (precision == Precision::Double && options.outward) {
+  if (precision == Precision::Double && options.refers()) {
     const std::vector<std::size_t> open = undecided(answer, options);
     decide_rays(answer, open, rays, formulas, query_of(formulas, bounds, options), options);
   }

@@ -221,3 +221,40 @@ def test_where_eps_cannot_be_reached_hits_are_wider(method: str) -> None:
     frame = irt.render("x^4 + y^4 + z^4 - 1", size=(32, 32), precision="single", eps=1e-8, method=method, outputs=())
     assert frame.stats.counts["UNRESOLVED"] == 0 and frame.stats.counts["HIT"] > 80
     assert frame.stats.wide > 80
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("method", FINDERS)
+def test_what_precision_cannot_tell_from_zero_touches(method: str, precision: str) -> None:
+    """The floor of the precision is TOUCH, a spent budget UNRESOLVED (a budget that the caller sets keeps the reference out)."""
+    call = {"bounds": 1.5, "method": method, "precision": precision, "eps": 1e-4}
+    tangent = [("(x - 0.3)^2 + y", (0, 0, 0.2), (1, 0, 0), 0.3), ("x^2 + y^2 + z^2 - 1", (1, 0, -4), (0, 0, 1), 4), ("x^2 + y^2 - z", (0, 0, 0), (1, 0, 1), 0)]
+    for f, origin, direction, t in tangent:
+        hits = irt.trace(f, origin, direction, max_pieces=10**6, **call)
+        assert hits.status[0] == Status.TOUCH
+        assert np.isnan(hits.uncertainty[0]) and abs(hits.t[0] - t) < 0.02
+        spent = irt.trace(f, origin, direction, max_pieces=1, **call)
+        assert spent.status[0] == Status.UNRESOLVED
+        assert spent.t[0] <= t + 1e-6
+    # A ray within the surface, from its start on.
+    assert irt.trace("z*(x + 3)", (-4, 0, 0), (1, 0, 0), max_pieces=10**6, **call).status[0] == Status.TOUCH
+    # Coefficients beyond all reals say nothing.
+    assert irt.trace("1e308*(x^2 + y^2 + z^2 + 1)*(x^2 + 9)", (0, 0, 4), (0, 0, -1), max_pieces=10**6, **call).status[0] == Status.UNRESOLVED
+
+
+@pytest.mark.parametrize("method", FINDERS)
+def test_frames_touch_double_surfaces(method: str) -> None:
+    call = {"bounds": 1.2, "size": (32, 32), "method": method, "eps": 1e-4}
+    truth = irt.reference("x^2 + y^2 + z^2 - 1", bounds=1.2, size=(32, 32))
+    for precision in ("single", "double"):
+        frame = irt.render("(x^2 + y^2 + z^2 - 1)^2", precision=precision, max_pieces=10**6, **call)
+        assert not (frame.status == Status.HIT).any()
+        # Off the silhouette all of it is at the floor of the precision. Methods with room for so many knots may have spent it.
+        inner = truth.hit & (np.hypot(*np.meshgrid(np.arange(32) - 15.5, np.arange(32) - 15.5)) < 8)
+        assert inner.sum() > 50
+        assert (frame.status[inner] >= Status.TOUCH).all()
+        assert (frame.status[inner] == Status.TOUCH).mean() > (0.8 if "-mr" in method else 0.999)
+        assert (np.abs(frame.depth[inner] - truth.depth[inner]) < (0.2 if "-mr" in method else 0.02)).all()
+        assert (frame.status == Status.MISS).sum() > 100
+        assert frame.stats.by_reference == 0
+    assert irt.render("(x^2 + y^2 + z^2 - 1)^2", max_pieces=1, **call).stats.counts["UNRESOLVED"] > 100
