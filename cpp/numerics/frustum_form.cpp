@@ -10,9 +10,9 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <utility>
 
+#include "numerics/crew.h"
 #include "numerics/double_double.h"
 #include "numerics/frustum_cuts.h"
 #include "numerics/frustum_reduce.h"
@@ -289,15 +289,6 @@ Spare& spare() {
   return s;
 }
 
-// work(0), work(1), ..., each in its own thread.
-template <class Work>
-void in_parallel(std::size_t workers, const Work& work) {
-  std::vector<std::thread> threads;
-  for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work, k);
-  work(0);
-  for (std::thread& t : threads) t.join();
-}
-
 // The form over each column of tiles.
 class Columns {
  public:
@@ -335,11 +326,11 @@ Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& d
   }
   const Columns strips(f, degree, whole);
   const Reduction reduction(degree, demand.depth);
-  const std::size_t workers = std::min<std::size_t>(strips.count(), std::max(1u, std::thread::hardware_concurrency()));
+  const std::size_t workers = crew_size();
   std::vector<Found> found(workers);
   for (Found& part : found) part.coefficients = spare().take();
   std::atomic<std::size_t> next{0};
-  in_parallel(workers, [&](std::size_t worker) {
+  by_crew([&](std::size_t worker) {
     Cutter cutter(f, demand, degree, reduction, found[worker]);
     for (std::size_t k; (k = next++) < strips.count();) {
       const Whole& strip = strips.form(k);
@@ -362,14 +353,14 @@ Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& d
   for (auto& cell : out.cells) steps += std::exchange(cell.begin, steps);
   const std::size_t bytes = kCellStep * (demand.single() ? sizeof(float) : sizeof(double));
   auto* const to = static_cast<std::byte*>(room(static_cast<std::size_t>(steps) * kCellStep));
-  in_parallel(workers, [&](std::size_t worker) {
+  for (std::size_t worker = 0; worker < workers; ++worker) {
     const std::byte* from = found[worker].coefficients.bytes.get();
     for (std::size_t k = 0; k < places[worker].size(); ++k) {
       const std::size_t size = static_cast<std::size_t>(found[worker].leaves[k].cell.begin) * bytes;
       std::copy_n(from, size, to + static_cast<std::size_t>(out.cells[places[worker][k]].begin) * bytes);
       from += size;
     }
-  });
+  }
   for (Found& part : found) spare().give(std::move(part.coefficients));
   return out;
 }
