@@ -1,16 +1,21 @@
 """Time against degree, and what the reference says: Chmutov's surfaces of even degree 2 to 30 as printed (expanded), and two named
 surfaces, 128 x 128.
 
-    python benchmarks/degrees.py [--method frustum-newton] [--least 2] [--most 30] [--chart docs/frustum-degrees.png]
+    python benchmarks/degrees.py [--method frustum-newton] [--least 2] [--most 30] [--chart docs/frustum-degrees.png] [--state out/degrees.jsonl]
+        [--seconds 100]
 
-Counts of statuses that lie: MISS where the reference has a hit, HIT where it has a miss, brackets that do not hold its root.
+Counts of statuses that lie: MISS where the reference has a hit, HIT where it has a miss, brackets that do not hold its root. Times are medians of
+five frames; of one where a frame takes more than SLOW seconds. What is done is written down in `state` and not done again: with --seconds a
+call stops after about so long, and the next one goes on.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import statistics
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +23,8 @@ from common import table
 
 import implicitrt as irt
 from implicitrt import Status
+
+SLOW = 1.0
 
 
 def chmutov(n: int) -> irt.Expr:
@@ -37,41 +44,60 @@ def lies(frame: irt.Frame, truth: irt.Reference) -> int:
     return int(wrong.sum() + far.sum())
 
 
+def measured(f: Any, method: str, call: dict[str, Any]) -> dict[str, Any]:
+    """One surface: times in milliseconds, shares of pixels, lies, statuses."""
+    first = irt.render(f, method=method, **call)
+    slow = first.stats.seconds["total"] - first.stats.seconds["build"] > SLOW
+    if not slow:
+        # The second frame of a degree has its pass in double compiled in the background.
+        irt.render(f, method=method, **call)
+        time.sleep(1.2)
+    frames = [irt.render(f, method=method, **call) for _ in range(1 if slow else 5)]
+    frame = frames[-1]
+    return {
+        "ms": [1e3 * statistics.median(g.stats.seconds.get(k, 0) for g in frames) for k in ("kernel", "prepare", "total")],
+        "shares": [100 * n / frame.status.size for n in (frame.stats.escalated, frame.stats.by_reference)],
+        "lies": lies(frame, irt.reference(f, **call)),
+        "counts": list(frame.stats.counts.values()),
+    }
+
+
 def main() -> None:
     """Prints the table, and draws the chart."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--method", default="frustum-newton")
     parser.add_argument("--least", type=int, default=2)
     parser.add_argument("--most", type=int, default=30)
+    parser.add_argument("--state", type=Path)
+    parser.add_argument("--seconds", type=float, default=np.inf)
     parser.add_argument("--chart")
     args = parser.parse_args()
-    degrees, times, rows = list(range(args.least, args.most + 1, 2)), [], []
+    started = time.perf_counter()
+    degrees = list(range(args.least, args.most + 1, 2))
     surfaces: list[tuple[str, Any, dict[str, Any]]] = [(f"chmutov {n}", chmutov(n), {"bounds": 1.1}) for n in degrees]
     surfaces += [(name, irt.surfaces[name], {}) for name in ("sarti_12", "supersphere_16") if args.least <= irt.surfaces[name].degree <= args.most]
+    done = dict(json.loads(line) for line in args.state.read_text().splitlines()) if args.state and args.state.exists() else {}
     for name, f, call in surfaces:
-        call |= {"size": (128, 128)}
-        frame = irt.render(f, method=args.method, **call)
-        # The second frame of a degree has its pass in double compiled in the background.
-        irt.render(f, method=args.method, **call)
-        time.sleep(1.2)
-        stats = [irt.render(f, method=args.method, **call).stats for _ in range(5)]
-        kernel, prepare, total = (
-            1e3 * statistics.median(s.seconds.get(k, 0) for s in stats) for k in ("kernel", "prepare", "total")
-        )
-        times.append((kernel, prepare, total))
-        again, asked = (100 * n / frame.status.size for n in (frame.stats.escalated, frame.stats.by_reference))
-        rows.append((
-            name, f"{kernel:.1f}", f"{prepare:.1f}", f"{total:.1f}", f"{again:.2f} %", f"{asked:.2f} %", lies(frame, irt.reference(f, **call)),
-            " ".join(str(n) for n in frame.stats.counts.values()),
-        ))  # fmt: skip
+        if name in done:
+            continue
+        if time.perf_counter() - started > args.seconds:
+            print(f"{len(done)} of {len(surfaces)} done")
+            return
+        done[name] = measured(f, args.method, call | {"size": (128, 128)})
+        if args.state:
+            with args.state.open("a") as file:
+                file.write(json.dumps([name, done[name]]) + "\n")
     head = ("surface", "kernel ms", "coefficients ms", "render() ms", "escalated", "by reference", "lies", "MISS HIT TOUCH UNRESOLVED")
-    print(table(head, rows))
+    print(table(head, [
+        (name, *(f"{ms:.1f}" for ms in r["ms"]), *(f"{share:.2f} %" for share in r["shares"]), r["lies"], " ".join(map(str, r["counts"])))
+        for name, r in ((name, done[name]) for name, *_ in surfaces)
+    ]))  # fmt: skip
     if args.chart:
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(6, 4), layout="constrained")
         axes = figure.subplots()
-        for what, ms in zip(("kernel", "coefficients", "render()"), zip(*times[: len(degrees)], strict=True), strict=True):
+        for what, ms in zip(("kernel", "coefficients", "render()"), zip(*(done[f"chmutov {n}"]["ms"] for n in degrees), strict=True), strict=True):
             axes.semilogy(degrees, ms, marker="o", label=what)
         axes.set(xlabel="degree", ylabel="milliseconds a frame, 128 x 128", title=f"Chmutov's surfaces, {args.method}")
         axes.grid(alpha=0.3)

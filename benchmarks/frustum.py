@@ -1,10 +1,11 @@
 """The frustum form beside `surf` and beside the yardstick's hand-written frustum kernels, in one run.
 
-    IMPLICITRT_TEST_DATA=... python benchmarks/frustum.py [surf] [yardstick] [--runs 5] [--method auto]
+    IMPLICITRT_TEST_DATA=... python benchmarks/frustum.py [surf] [yardstick] [coefficients] [--runs 5] [--method auto]
 
 surf: the whole of `render()`, warm, at 512 x 512, against surf's wall time, eight orthographic views. Needs the
 Debian package surf-alggeo-nox. yardstick: kernel time at 1024 x 1024, three views. Needs pyopencl. Ratios are of
-medians over runs that alternate, so that other load on the machine hits both alike.
+medians over runs that alternate, so that other load on the machine hits both alike. coefficients: what a frame of degree 10 whose camera and
+coefficients have moved spends on them, host and device together, and what it builds.
 """
 
 from __future__ import annotations
@@ -138,6 +139,27 @@ def against_yardstick(runs: int, method: str) -> str:
     )
 
 
+def of_coefficients(runs: int, method: str) -> str:
+    """The table of the Barth decic, as printed and multiplied out, every frame another polynomial from another place."""
+    decic = irt.surfaces["barth_decic"]
+    polynomials = {"barth_decic": decic.expr, "barth_decic, multiplied out": decic.expr.expand()}
+    frames: dict[tuple[str, int], list[irt.Frame]] = {}
+    for run in range(10 * runs + 3):
+        for name, f in polynomials.items():
+            for size in (512, 1024):
+                angle = 0.05 * run
+                camera = irt.Camera((5 * np.sin(angle), 2, 5 * np.cos(angle)))
+                frame = irt.render(f + irt.Rational(run, 100000), camera=camera, bounds=decic.bounds, size=(size, size), method=method, outputs=())
+                if run > 2:  # the first ones build
+                    frames.setdefault((name, size), []).append(frame)
+    rows = []
+    for (name, size), found in frames.items():
+        ms = [1e3 * f.stats.seconds.get("prepare", 0) for f in found]
+        rows.append((name, f"{size} x {size}", found[0].stats.method, f"{statistics.median(ms):.1f}", f"{min(ms):.1f}",
+                     sum(f.stats.builds for f in found), int(statistics.median(f.stats.escalated for f in found))))  # fmt: skip
+    return table(("polynomial", "size", "method", "coefficients ms, median", "least", "builds", "escalated, median"), rows)
+
+
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -150,7 +172,7 @@ def main() -> None:
         f"{device.name}, {device.driver}, medians of {args.runs} alternating runs; statuses: MISS HIT TOUCH UNRESOLVED\n"
     )
     for which in args.which:
-        print({"surf": against_surf, "yardstick": against_yardstick}[which](args.runs, args.method), "\n")
+        print({"surf": against_surf, "yardstick": against_yardstick, "coefficients": of_coefficients}[which](args.runs, args.method), "\n")
 
 
 if __name__ == "__main__":
