@@ -12,8 +12,10 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "error.h"
+#include "numerics/recent.h"
 
 namespace irt::numerics {
 namespace {
@@ -27,6 +29,8 @@ constexpr mpfr_prec_t kPrecisions[] = {160, 640};
 // are), that a ray takes a few milliseconds at most. Counted in operations, not in time: answers do not depend on how busy the machine is.
 constexpr std::size_t kQuickWork = 400'000;
 constexpr int kQuickPiecesInMpfr = 20;
+// Formulas of so many steps are forgotten at once: some megabytes each.
+constexpr std::size_t kKeptSteps = 1 << 14;
 
 std::optional<Clip> clip_of(const Ray& ray, double tmin, double tmax, const Query& query) {
   // Intervals around where the ray enters and leaves.
@@ -241,13 +245,24 @@ class Region {
   std::array<std::unique_ptr<Along>, std::size(kPrecisions)> in_mpfr_;
 };
 
+// What all rays share.
+struct Prepared {
+  Prepared(const Expr& f, const std::map<std::string, double>& parameters) : formula(f, parameters), plan(PolynomialPlan::of(formula)) {}
+  Prepared(const Prepared&) = delete;  // the plan points to the formula
+  Formula formula;
+  std::optional<PolynomialPlan> plan;
+};
+
 }  // namespace
 
 std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const double* tmin, const double* tmax, const Query& query) {
-  const Formula formula(f, query.parameters);
-  std::optional<PolynomialPlan> plan = PolynomialPlan::of(formula);
+  static auto* const recent = new Recent<std::pair<Expr, std::map<std::string, double>>, Prepared>;  // frames ask again and again
+  const auto prepared = recent->get(
+      {f, query.parameters}, [&] { return std::make_shared<const Prepared>(f, query.parameters); }, [](const Prepared& p) { return p.formula.steps().size() < kKeptSteps; });
+  const Formula& formula = prepared->formula;
+  const PolynomialPlan* plan = prepared->plan ? &*prepared->plan : nullptr;
   if (query.quick && plan && formula.steps().size() * static_cast<std::size_t>(plan->degree()) * static_cast<std::size_t>(plan->degree()) > kQuickWork)
-    plan.reset();
+    plan = nullptr;
   std::optional<Formula> g;
   if (query.clip) g.emplace(*query.clip, query.parameters);
   std::vector<Root> roots(rays.size());
@@ -259,7 +274,7 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
   unsigned running = 0;
 
   // Few rays are shared out too.
-  const unsigned workers = std::clamp<unsigned>(std::thread::hardware_concurrency(), 1, 64);
+  const unsigned workers = std::clamp<unsigned>(std::min<std::size_t>(std::thread::hardware_concurrency(), rays.size()), 1, 64);
   const std::size_t chunk = std::clamp<std::size_t>(rays.size() / (4 * workers), 1, 16);
   const auto work = [&] {
     try {

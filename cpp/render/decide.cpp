@@ -8,6 +8,7 @@
 #include "error.h"
 #include "expr/calculus.h"
 #include "expr/tape.h"
+#include "numerics/recent.h"
 
 namespace irt::render {
 namespace {
@@ -22,11 +23,15 @@ constexpr std::size_t kShortProgram = 500;
 
 // The gradient of f at points, in double.
 std::array<std::vector<double>, 3> gradients(const Formulas& formulas, const std::array<std::vector<double>, 3>& points) {
-  const char* names[] = {"x", "y", "z"};
+  using Tapes = std::array<Tape, 3>;
+  static auto* const recent = new numerics::Recent<Expr, Tapes>;  // cameras move more often than formulas change
+  const auto tapes = recent->get(formulas.f, [&] {
+    return std::make_shared<const Tapes>(Tapes{Tape(differentiate(formulas.f, "x")), Tape(differentiate(formulas.f, "y")), Tape(differentiate(formulas.f, "z"))});
+  });
   const std::size_t count = points[0].size();
   std::array<std::vector<double>, 3> out;
   for (int axis = 0; axis < 3; ++axis) {
-    const Tape tape(differentiate(formulas.f, names[axis]));
+    const Tape& tape = (*tapes)[axis];
     std::vector<std::vector<double>> inputs;
     for (const std::string& name : tape.symbols()) {
       const int of = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;

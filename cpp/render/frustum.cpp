@@ -4,8 +4,7 @@
 
 #include <chrono>
 #include <cstring>
-#include <deque>
-#include <mutex>
+#include <utility>
 
 #include "caps.h"
 #include "error.h"
@@ -13,6 +12,7 @@
 #include "expr/calculus.h"
 #include "numerics/frustum_form.h"
 #include "numerics/frustum_reduce.h"
+#include "numerics/recent.h"
 #include "render/camera_terms.h"
 #include "render/decide.h"
 #include "render/frustum_clip.h"
@@ -235,26 +235,10 @@ struct Planned {
   numerics::PolynomialPlan plan;
 };
 
-// Those of the latest calls: cameras move more often than formulas change.
+// Cameras move more often than formulas change.
 std::shared_ptr<const Planned> planned_of(const Expr& f, const std::map<std::string, double>& parameters) {
-  struct Entry {
-    Expr f;
-    std::map<std::string, double> parameters;
-    std::shared_ptr<const Planned> planned;
-  };
-  constexpr std::size_t kEntries = 8;
-  static std::mutex mutex;
-  static std::deque<Entry>* const recent = new std::deque<Entry>;
-  {
-    const std::lock_guard lock(mutex);
-    for (const Entry& e : *recent)
-      if (e.f == f && e.parameters == parameters) return e.planned;
-  }
-  auto planned = std::make_shared<const Planned>(f, parameters);
-  const std::lock_guard lock(mutex);
-  recent->push_front({f, parameters, planned});
-  if (recent->size() > kEntries) recent->pop_back();
-  return planned;
+  static auto* const recent = new numerics::Recent<std::pair<Expr, std::map<std::string, double>>, Planned>;
+  return recent->get({f, parameters}, [&] { return std::make_shared<const Planned>(f, parameters); });
 }
 
 kernel::Spec cells_spec(const Options& options, const device::Device& device, Precision precision, int degree, int tile, const Bounds& bounds,
