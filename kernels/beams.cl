@@ -49,7 +49,7 @@ __attribute__((noinline)) void trace_tile(const size_t tile_column, const size_t
     }
     // To the bounds all of a beam errs as much as it does where it is widest.
     RAY whole = ray;
-    const F reach = max(NARROW(ray.tau) + (F)RADIUS, (F)0) * (R(1.0) + R(4.0) * ULP);
+    const F far = NARROW(ray.tau) + (F)RADIUS, reach = max(fma((F)(R(4.0) * ULP), fabs(NARROW(ray.tau)) + (F)RADIUS, far), (F)0);
     whole.ex += fma(reach, ray.wx, ray.bx), whole.ey += fma(reach, ray.wy, ray.by), whole.ez += fma(reach, ray.wz, ray.bz);
     const RANGE range = clip_ray(&whole, q);
     const ROOT root = find_root(&ray, &range, q, beam ? BEAM_PIECES : max_pieces FINDER_PASS);

@@ -41,9 +41,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_ALONG
   const I first_halt = min(longest_step(wanted) << EARLY, PATH_END);
 #else
-  // What is found without a margin is as wide as its piece, and the rounding of its depth counts as well.
-  const F rounding = fma((F)(R(2.0) * ULP), fabs(NARROW(ray->tau)) + (F)RADIUS, R(2.0) * (F)POSITION_PAD / NARROW(ray->length)) / path.unit;
-  const I first_halt = longest_step(wanted - rounding);
+  const I first_halt = longest_step(wanted);  // what is found without a margin is as wide as its piece
 #endif
   // A bracket (sharpen.cl) is a window as it is.
   I stop = first_stop, halt = IRT_SHARPENS && IRT_ALONG ? PATH_END : first_halt;

@@ -11,8 +11,7 @@
 // Where all roundings of f together have a bound (IRT_SLACK), forms have that in z instead of a pad for each operation, unless it is too coarse.
 #define UNITS ((F)PATH_END_REAL)
 #define FIRST_STEP (IRT_SHARPENS ? UNITS : (F)(PATH_END_REAL / 8))
-// How far the rounding of a contracted end to units may be off.
-#define SLACK R(1.25)
+#define SLACK R(0.5)   // units: how far the rounding of a contracted end to units is off
 #define FLOOR ((F)4)   // units: no contracted piece is much shorter, because its ends are rounded outward
 #define BLUNT ((F)64)  // units: below, what contraction cannot shorten only rounding keeps it from shortening
 
@@ -36,6 +35,7 @@ static inline CUT contract(FORM f, F from, F step) {
 #else
   const F part = R(0.5) * step, inverse = R(1.0) / f.y;
 #if IRT_OUTWARD
+  // Covers both quotients, and by that of y, half a piece times 4 ulp, what follows.
   const F z = fma((F)(R(4.0) * ULP), fabs(f.x) + fabs(f.y) + f.z, f.z);
 #else
   const F z = f.z;
@@ -43,8 +43,7 @@ static inline CUT contract(FORM f, F from, F step) {
   // The middle of what is left, and half of it, in halves of the piece. Where y is zero nothing is known.
   const F middle = -f.x * inverse, reach = z * fabs(inverse);
   const I known = LT(fabs(middle) + reach, (F)MODEST);
-  const F off = fma((F)(R(16.0) * ULP), step, (F)SLACK);
-  const F low = WHOLE(fma(min(middle - reach, (F)1), part, part - off)), high = WHOLE(fma(max(middle + reach, (F)-1), part, part + off));
+  const F low = WHOLE(fma(min(middle - reach, (F)1), part, part - SLACK)), high = WHOLE(fma(max(middle + reach, (F)-1), part, part + SLACK));
   cut.before = known & GT(low, (F)0);
   cut.behind = known & LT(high, step);
   cut.from = from + SELECT(cut.before, low, (F)0);

@@ -14,16 +14,12 @@ static inline F form_middle(FORM f) { return R(0.5) * (f.lo + f.hi); }
 #define BEHIND(f) ((F)0)
 static inline I crosses(FORM f) { return NONE; }
 #else
-#if IRT_OUTWARD
-#define CERTAIN(v) ((v) * (R(1.0) - R(3.0) * ULP))  // covers the rounding of |y| + z
-#else
-#define CERTAIN(v) (v)
-#endif
+// No pad covers the rounding of |y| + z: what is above the real that it rounds to is above the sum.
 #if !FORM_HAS_RANGE
-static inline I positive(FORM f) { return GT(CERTAIN(f.x), ra_rad(f)); }
-static inline I negative(FORM f) { return LT(CERTAIN(f.x), -ra_rad(f)); }
+static inline I positive(FORM f) { return GT(f.x, ra_rad(f)); }
+static inline I negative(FORM f) { return LT(f.x, -ra_rad(f)); }
 static inline I unbounded(FORM f) { return ~LT(fabs(f.x) + ra_rad(f), INF); }
-static inline I nonzero(FORM f) { return GT(CERTAIN(fabs(f.x)), ra_rad(f)); }
+static inline I nonzero(FORM f) { return GT(fabs(f.x), ra_rad(f)); }
 static inline F leaning(FORM f) { return copysign((F)1, f.x); }
 static inline IA form_range(FORM f) { return ra_range(f); }
 static inline F form_middle(FORM f) { return f.x; }
@@ -32,7 +28,7 @@ static inline F form_middle(FORM f) { return f.x; }
 #define BEFORE(f) copysign((F)1, (f).x - (f).y)
 #define BEHIND(f) copysign((F)1, (f).x + (f).y)
 // The signs at the ends of the piece are opposite: at e = -1 and 1 the form is x - y and x + y, to within z.
-static inline I crosses(FORM f) { return GT(CERTAIN(fabs(f.y)), fabs(f.x) + f.z); }
+static inline I crosses(FORM f) { return GT(fabs(f.y), fabs(f.x) + f.z); }
 #endif
 
 #if IRT_SLACK

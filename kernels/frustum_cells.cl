@@ -62,7 +62,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #endif
   for (int k = on_screen ? tiles[tile] : 0; k < end && ANY(active); ++k) {
     const real near = slabs[3 * k], length = slabs[3 * k + 1], inverse = R(1.0) / length;
-    const F slack = (F)(R(8.0) * ULP * RADIUS * inverse);
+    const F slack = (F)(R(8.0) * ULP * max(RADIUS * inverse, R(1.0)));
     CELL cell;
     cell.lo = clamp((range->out0 - near) * inverse - slack, (F)0, (F)1);
     cell.hi = clamp((range->out1 - near) * inverse + slack, (F)0, (F)1);

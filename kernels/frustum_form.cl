@@ -21,8 +21,8 @@
 // Rounding of one cut by de Casteljau (at most three halves of an ulp of the largest coefficient a round), of a restriction (two
 // cuts), and of an evaluation, in parts of the largest coefficient of the ray.
 #if IRT_OUTWARD
-#define CUT_ERROR (R(1.5) * N * ULP)
-#define VALUE_ERROR (R(1.5) * N * ULP)
+#define CUT_ERROR (N * R(1.5) * ULP)
+#define VALUE_ERROR (N * R(1.5) * ULP)
 #else
 #define CUT_ERROR R(0.0)
 #define VALUE_ERROR R(0.0)
@@ -75,7 +75,7 @@ static inline I one_sign(const F* c, F error) {
 static inline void restrict_to(F* c, F lo, F hi) {
   EACH for (int n = N - 1; n > 0; --n)
     EACH for (int i = 0; i < n; ++i) c[i] = mixed(c[i], c[i + 1], lo);
-  const F share = (hi - lo) / max(R(1.0) - lo, (F)TINY);
+  const F share = SELECT(GE(hi, (F)1), (F)1, (hi - lo) / max(R(1.0) - lo, (F)TINY));  // the next cell begins at 1, not where a quotient may end
   EACH for (int n = 1; n < N; ++n)
     EACH for (int i = N - 1; i >= n; --i) c[i] = mixed(c[i - 1], c[i], share);
 }

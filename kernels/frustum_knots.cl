@@ -87,7 +87,8 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     }
     for (int i = count + N; i > 0; --i) t[i] = max(t[i - 1], i == count + N ? (F)1 : min(t[i], knot));
 #if IRT_OUTWARD
-    error = fma((F)(R(4.0) * ULP), cell->size, error);
+    // A weight errs by 1.75, times a difference of two sizes; that, its product and its sum are rounded.
+    error = fma((F)(R(4.5) * ULP), cell->size, error);
 #endif
   }
 }

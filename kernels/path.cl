@@ -12,6 +12,9 @@
 #define WHOLE(v) (((v) + WHOLE_SHIFT) - WHOLE_SHIFT)  // the nearest integer, for |v| up to PATH_END
 #define PATH_END_REAL (((real)1) * ((long)1 << PATH_LEVELS))
 
+// Units that the ends of what counts go inward: a difference, a quotient and a sum of up to 2^22 units may be off by 0.25 + 1.25 + 0.125 in single precision.
+#define INWARD R(1.75)
+
 typedef struct {
   F ox, oy, oz, ux, uy, uz;  // position: o + c u, c counting units
 #if IRT_SPLIT
@@ -28,8 +31,13 @@ typedef struct {
   F in0, in1;     // the units between which everything counts (RANGE)
 } PATH;
 
-// The coordinate after c units. With the left-overs only the last two roundings err: by an ulp of the coordinate.
+// The coordinate after c units. With the left-overs only the last two roundings err: by an ulp of the coordinate. An interval's ends are rounded once more.
 #if IRT_SPLIT
+#if IRT_AFFINE
+#define ALONG_ERROR R(1.05)  // ulp
+#else
+#define ALONG_ERROR R(1.55)
+#endif
 #define ALONG(path, axis, c) (fma(c, path->u##axis, path->o##axis) + fma(c, path->lu##axis, path->lo##axis))
 #define PATH_AXIS(axis, k) \
   { \
@@ -38,7 +46,7 @@ typedef struct {
     path.lo##axis = NARROW(o - WIDEN(path.o##axis)); \
     path.u##axis = NARROW(u); \
     path.lu##axis = NARROW(u - WIDEN(path.u##axis)); \
-    path.e##axis = fma((F)(R(1.05) * ULP), max((F)fabs(BOX_LO(k)), (F)fabs(BOX_HI(k))) + ray->e##axis, (F)POSITION_PAD); \
+    path.e##axis = fma((F)(ALONG_ERROR * ULP), max((F)fabs(BOX_LO(k)), (F)fabs(BOX_HI(k))) + ray->e##axis, (F)POSITION_PAD); \
   }
 #else
 #define ALONG(path, axis, c) fma(c, path->u##axis, path->o##axis)
@@ -50,16 +58,17 @@ typedef struct {
   }
 #endif
 
-// What the left-overs may add. The error has room for the rounding of a coordinate and of a slope, which here takes the place of that of two sums.
+// What the left-overs may add. The error has room for the rounding of a coordinate and of a slope, which here takes the place of that of two sums,
+// and for that of this sum, whose second part is small.
 #if IRT_SPLIT
-#define PATH_BARE(axis) path.b##axis = path.e##axis + (R(1.0) + R(4.0) * ULP) * fma(TO_F(PATH_END), fabs(path.lu##axis), fabs(path.lo##axis));
+#define PATH_BARE(axis) path.b##axis = path.e##axis + fma(TO_F(PATH_END), fabs(path.lu##axis), fabs(path.lo##axis));
 #else
-#define PATH_BARE(axis) path.b##axis = path.e##axis + (F)(R(2.0) * ULP) * (F)RADIUS * fabs(ray->d##axis);
+#define PATH_BARE(axis) path.b##axis = path.e##axis;
 #endif
 
 #if IRT_BEAMS
 #define PATH_SPREAD(axis) \
-  path.g##axis = path.unit * ray->w##axis * (R(1.0) + R(4.0) * ULP); \
+  path.g##axis = path.unit * ray->w##axis; \
   path.e##axis = (IRT_OUTWARD ? path.e##axis : (F)0) + fma(max(NARROW(ray->tau) + path.start + reach, (F)0), ray->w##axis, ray->b##axis) * (R(1.0) + R(8.0) * ULP);
 #define ERROR_UNTIL(path, axis, c) fma(c, path->g##axis, path->e##axis)
 #else
@@ -86,14 +95,22 @@ static inline PATH make_path(const RAY* ray, const RANGE* range, __global const 
   PATH_SPREAD(z)
 #endif
   const F inverse = R(1.0) / path.unit;
-  path.in0 = fma(range->in0 - path.start, inverse, (F)R(0.5));
-  path.in1 = fma(range->in1 - path.start, inverse, (F)R(-0.5));
+  path.in0 = fma(range->in0 - path.start, inverse, (F)INWARD);
+  path.in1 = fma(range->in1 - path.start, inverse, (F)-INWARD);
   return path;
 }
 
-// eps in units of the path, a little less for rounding.
+#if IRT_SPLIT
+#define REPORT_ERROR DEPTH_ERROR
+#else
+#define REPORT_ERROR (DEPTH_ERROR + R(1.0))  // and of the place
+#endif
+
+// eps in units of the path, less what is added to so many when they are reported: by the rounding of t, as far as there is room in eps, and of this.
 static inline F wanted_units(const RAY* ray, const PATH* path, __global const real* q) {
-  return (F)EPS / (NARROW(ray->length) * path->unit) * (R(1.0) - R(8.0) * ULP);
+  const F length = NARROW(ray->length), far = (fabs(NARROW(ray->tau)) + (F)RADIUS) * length;
+  const F off = R(2.0) * fma((F)(REPORT_ERROR * ULP), far, (F)POSITION_PAD);
+  return ((F)EPS - min(off, (F)(R(0.125) * EPS))) / (length * path->unit) * (R(1.0) - R(12.0) * ULP);
 }
 
 // What is known of the units [lo, hi], as a result.

@@ -57,12 +57,8 @@ static inline void write_misses(const PLACE at, RESULTS_DECL) {
 static inline void write_results(const RAY* ray, const ROOT* root, const PLACE at, __global const real* q, RESULTS_DECL PARAMETERS) {
   const I found = EQ(root->status, HIT) | EQ(root->status, TOUCH);
   const F s = NARROW(root->at), t = max(NARROW((ray->tau + root->at) * ray->length), EARLIEST(ray)), length = NARROW(ray->length);
-  // Half the width of the bracket, and the rounding of t.
-#if IRT_SPLIT
-  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(0.75) * ULP * fabs(t) + (F)POSITION_PAD);
-#else
-  const F bracket = fma(root->half_width, length * (R(1.0) + R(4.0) * ULP), R(4.0) * ULP * (fabs(t) + (F)POSITION_PAD));
-#endif
+  // Half the width of the bracket, which has room for the rounding of this product, and the rounding of t.
+  const F bracket = fma(root->half_width, length, DEPTH_ERROR * ULP * fabs(t) + (F)POSITION_PAD);
   PUT(F, SELECT(EQ(root->status, MISS), INF, t), depth);
   PUT(BYTES, TO_BYTES(root->status), status);
 #if IRT_PIECES

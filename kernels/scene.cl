@@ -60,6 +60,13 @@ typedef struct {
 #endif
 } ROOT;
 
+// How far rounding takes t from (tau + s) |D|, in ulp of t.
+#if IRT_SPLIT
+#define DEPTH_ERROR R(0.75)
+#else
+#define DEPTH_ERROR R(4.0)
+#endif
+
 // The root of v > 0 to within one ulp, whatever the device's own does: one Newton step.
 static inline FW careful_sqrt(FW v) {
   const FW r = sqrt(v);

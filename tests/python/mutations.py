@@ -172,7 +172,9 @@ class Pad:
 
 # Calls with an argument that pads, and which.
 PADDING = {"LOWER": (1,), "UPPER": (1,), "IA_OUT": (2,), "ra_smooth": (6,)}
-HEAD = re.compile(r"^(?:static inline \w+|#define) (\w+)(?:\([^)]*\))?", re.MULTILINE)
+HEAD = re.compile(
+    r"^(?:static (?:inline )?\w+|__attribute__\(\(noinline\)\) void|#define) (\w+)(?:\([^)]*\))?", re.MULTILINE
+)
 
 
 def _arguments(text: str, at: int) -> list[tuple[int, int]]:
@@ -213,12 +215,16 @@ def pads(kernels: Path, name: str) -> list[Pad]:
     return found
 
 
+def is_operator(name: str) -> bool:
+    """Whether a kernel file has operators of f; the pads of the others are in contracts.py."""
+    return name in ("packet.cl", "interval.cl", "affine.cl", "polynomial.cl") or name.startswith(
+        ("interval_", "affine_")
+    )
+
+
 def all_pads(kernels: Path) -> list[Pad]:
     """Every pad of the operators."""
-    core = ("packet.cl", "interval.cl", "affine.cl", "polynomial.cl")
-    names = sorted(
-        f.name for f in kernels.glob("*.cl") if f.name in core or f.name.startswith(("interval_", "affine_"))
-    )
+    names = sorted(f.name for f in kernels.glob("*.cl") if is_operator(f.name))
     return [pad for name in names for pad in pads(kernels, name)]
 
 

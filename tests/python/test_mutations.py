@@ -60,7 +60,7 @@ def _planes_lost(folder: Path) -> int:
 
 
 def test_a_smaller_pad_of_positions_is_noticed(tmp_path: Path) -> None:
-    smaller = with_change(tmp_path, "path.cl", "R(1.05) * ULP", "R(0.4) * ULP")
+    smaller = with_change(tmp_path, "path.cl", "ALONG_ERROR R(1.05)", "ALONG_ERROR R(0.4)")
     try:
         assert _planes_lost(KERNELS) == 0
         assert _planes_lost(smaller) > 0
