@@ -3,7 +3,8 @@
 //
 // The method's file says where the knot goes: `knot_of`. Before the knot at which the first coefficient that may have the other sign
 // begins to count, the spline is proven free of zeros (all coefficients that count there have one sign).
-#define MOST_KNOTS (48 + 3 * IRT_DEGREE)
+#define PATIENCE (24 + 4 * IRT_DEGREE)  // knots after which brackets that guards do not close widen
+#define MOST_KNOTS (PATIENCE + 24)
 #define MOST_COEFFICIENTS (N + MOST_KNOTS)
 #define MOST_WIDENINGS ((I)4)  // each by four
 
@@ -50,7 +51,7 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     const F width = cell->reach * TO_F((I)1 << (widenings + widenings));
     const I settled = lanes & ((isolated & (LT(fabs(x - last), cell->reach))) | (other & LT(x - free, width)));
     // Guards that prove no more: error keeps them from the root.
-    if (count % IRT_DEGREE == 0) widenings -= lanes & ~settled & LT(fabs(x - last), R(0.125) * cell->reach) & LT(widenings, MOST_WIDENINGS);
+    if (count - N >= PATIENCE && count % 4 == 0) widenings -= lanes & ~settled & LT(fabs(x - last), R(0.125) * cell->reach) & LT(widenings, MOST_WIDENINGS);
     if (ANY(settled)) {
       const F lo = SELECT(isolated, max(x - width, start), free), hi = min(x + width, cell->hi);
       const I good = settled & brackets(cell, lo, hi, sign), counts = GE(lo, cell->in_lo) & LE(hi, cell->in_hi);

@@ -48,6 +48,12 @@ def number(value: Any, what: str) -> float:
     return found
 
 
+def _cross(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """np.cross of two vectors, which takes fifty times as long."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
 @dataclass(frozen=True)
 class Camera:
     """A camera at `origin` that looks at `target`.
@@ -108,12 +114,12 @@ class Camera:
         if length == 0:
             raise ArgumentError("the camera's up is the zero vector")
         forward = forward / distance
-        right = np.cross(forward, up / length)
+        right = _cross(forward, up / length)
         across = float(np.linalg.norm(right))
         if across < 1e-9:
             raise ArgumentError(f"the camera's up {self.up} is parallel to its view; choose another, such as (0, 0, 1)")
         right = right / across
-        return right, np.cross(right, forward), forward
+        return right, _cross(right, forward), forward
 
     def framed(self, bounds: Bounds) -> Camera:
         """The camera with a height that frames the bounds, where it is orthographic without one."""
