@@ -16,9 +16,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Up to so many open rays go to the reference: some milliseconds, where a kernel in double takes longer to compile than the picture to
-// draw. Where that kernel is there, up to so few.
-constexpr std::size_t kFewRays = 192, kVeryFewRays = 4;
-// Of formulas of up to so many operations: the reference differentiates them in every frame.
+// draw. Where that kernel is there, up to so few: such a picture is the same to the last bit however often it is drawn.
+constexpr std::size_t kFewRays = 192, kVeryFewRays = 40;
+// Of formulas of up to so many operations: the reference differentiates them.
 constexpr std::size_t kShortProgram = 500;
 
 // The gradient of f at points, in double.
