@@ -15,7 +15,7 @@ FEW = {
 }
 EPS = {
     "sphere": 1e-4,
-    "waves": 2e-3,
+    "waves": 1e-4,
     "region": 1e-4,
 }  # at which silhouettes stay open in single precision, and little else
 SIZE = (240, 180)
@@ -23,7 +23,8 @@ SIZE = (240, 180)
 
 def _pair(name: str, **arguments: object) -> tuple[irt.Frame, irt.Frame]:
     bounds = [2, irt.Clip("x + y/3 - 1")] if name == "region" else 2
-    return tuple(irt.render(FEW[name], bounds=bounds, size=SIZE, precision=p, **arguments) for p in ("auto", "single"))  # type: ignore[arg-type,return-value]
+    camera = None if name == "region" else irt.Camera((1.5, 1.2, 2.4))
+    return tuple(irt.render(FEW[name], bounds=bounds, camera=camera, size=SIZE, precision=p, **arguments) for p in ("auto", "single"))  # type: ignore[arg-type,return-value]
 
 
 @pytest.mark.parametrize("method", ["contract", "raa", "ia", "mitchell"])
@@ -31,7 +32,7 @@ def _pair(name: str, **arguments: object) -> tuple[irt.Frame, irt.Frame]:
 def test_few_open_pixels_need_no_second_kernel(name: str, method: str) -> None:
     auto, single = _pair(name, method=method, eps=EPS[name])
     assert auto.stats.escalated <= 192
-    assert auto.stats.escalated > 0 or method != "contract"  # bisection leaves nothing open on some
+    assert auto.stats.escalated > 0 or (name, method) == ("sphere", "contract")  # which leaves nothing open
     assert auto.stats.builds <= 1
     changed = np.asarray(auto.depth != single.depth)
     assert changed.sum() <= auto.stats.escalated
@@ -45,7 +46,7 @@ def test_few_open_pixels_need_no_second_kernel(name: str, method: str) -> None:
 @pytest.mark.parametrize("trace", [False, True])
 def test_what_is_drawn_again_waits_neither_for_a_kernel_nor_for_the_reference(trace: bool) -> None:
     """The kernel in double is built behind the second frame. What it decides the reference does not differ from."""
-    f, camera, size = "sin(1.25*x) + cos(y)*z - 1.0625*x^2", irt.Camera((1.5, 1.2, 2.4)), (256, 192)
+    f, camera, size = "sin(1.25*x) + cos(y)*z - 1.0625*x^2", irt.Camera((1.5, 1.2, 2.4)), (320, 240)
     origins, directions = (a.reshape(-1, 3) for a in camera.rays(size))
 
     def draw() -> irt.Frame | irt.Hits:
