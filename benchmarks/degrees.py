@@ -23,6 +23,7 @@ from common import table
 
 import implicitrt as irt
 from implicitrt import Status
+from implicitrt.devices import open_device
 
 SLOW = 1.0
 
@@ -51,7 +52,7 @@ def measured(f: Any, method: str, call: dict[str, Any]) -> dict[str, Any]:
     if not slow:
         # The second frame of a degree has its pass in double compiled in the background.
         irt.render(f, method=method, **call)
-        time.sleep(1.2)
+        open_device(None).finish()
     frames = [irt.render(f, method=method, **call) for _ in range(1 if slow else 5)]
     frame = frames[-1]
     return {

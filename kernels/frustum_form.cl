@@ -9,6 +9,7 @@
 #define EACH
 #endif
 #define NEARBY R(0.0625)  // of a cell: how far roots are likely to move from frame to frame
+#define HALF_AND_A_LITTLE R(0.515625)  // of a piece, where it is halved: a cut in a root would leave its sign unknown on both sides
 #define BINOMIAL(degree, i) ((degree) == IRT_DEGREE ? binomials[i] : binomials[i] * (real)((degree) + 1 - (i)) / (real)((degree) + 1))  // and one less
 
 // Pieces that each lane has looked at, where the call asks for them.

@@ -7,7 +7,6 @@
 #define MOST_STEPS 20
 #define MOST_WIDENINGS 5  // each by four
 #define NARROWEST R(1e-4)
-#define HALF_AND_A_LITTLE R(0.515625)  // a cut in a root would leave its sign unknown on both sides
 
 // The root within [a, b] of the lanes given; c is the polynomial there, positive (times sign) at a and negative at b.
 static inline void close_in(const CELL* cell, const F* c, F a, F b, F sign, I lanes, FOUND* found) {

@@ -6,7 +6,6 @@
 // a hit is a bracket between two evaluations, of the only root that is left.
 #define MOST_CUTS 80
 #define PATIENCE 16  // cuts after which pieces are halved, down to the floor of the precision
-#define HALF_AND_A_LITTLE R(0.515625)
 #define MOST_WIDENINGS ((I)4)  // each by four
 
 // Where to cut a piece, as a share of it; `sign` is that of the polynomial at its start.

@@ -13,13 +13,14 @@ namespace irt::program {
 
 enum class Precision { Single, Double };
 
-// A generated function and the library files that it calls.
+// What an affine function returns, FORM (emit_affine).
 enum class Result { form, range, both };
 
+// A generated function and the library files that it calls.
 struct Emitted {
   std::string source;
   std::set<std::string> files;
-  Result result = Result::form;       // emit_affine: what FORM is
+  Result result = Result::form;
   std::set<std::string> functions{};  // that the source calls, each a definition; programs of one kernel may share them
 };
 

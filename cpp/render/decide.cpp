@@ -77,12 +77,13 @@ std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size
   return rays;
 }
 
-numerics::Query query_of(const Formulas& formulas, const Bounds& bounds, const Options& options) {
+numerics::Query query_of(const Formulas& formulas, const Bounds& bounds, const Options& options, bool quick) {
   numerics::Query query{bounds.lower, bounds.upper, {}, {}, formulas.g, formulas.parameters, [&options](double) {
     return (options.control.cancelled && options.control.cancelled()) || std::chrono::steady_clock::now() > options.control.deadline;
   }};
   for (const Ball& ball : bounds.balls) query.spheres.push_back({ball.center, ball.radius});
   for (const HalfSpace& h : bounds.half_spaces) query.half_spaces.push_back({h.normal, h.offset});
+  query.quick = quick;
   return query;
 }
 
@@ -186,13 +187,12 @@ std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size
   return decide(answer, where, some, tmin.data(), tmax.data(), formulas, query, options);
 }
 
-void decide_open(Answer& answer, const program::Program& program, const Second& second, numerics::Query query, const Options& options) {
+void decide_open(Answer& answer, const program::Program& program, const Second& second, const Options& options) {
   std::vector<std::size_t> open = undecided(answer, options);
   const bool few = open.empty() || (open.size() <= kFewRays && program.code.size() <= kShortProgram && options.refers());
   // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes, nor wait for the reference.
   const bool worth = open.size() > kVeryFewRays, ready = few && answer.builds == 0 && (worth || program.inputs() > 0) && second.prepare() && worth;
-  query.quick = true;
-  if (few && !ready && !open.empty()) open = second.refer(open, query);
+  if (few && !ready && !open.empty()) open = second.refer(open);
   if (open.empty() || answer.outcome != device::Outcome::done) return;
   scatter(answer, second.pass(open), open);
   if (!ready || answer.outcome != device::Outcome::done) return;
@@ -200,7 +200,7 @@ void decide_open(Answer& answer, const program::Program& program, const Second& 
   open = undecided(answer, options);
   if (open.empty()) return;
   const std::size_t counted = answer.escalated;
-  second.refer(open, query);
+  second.refer(open);
   answer.escalated = counted;
 }
 

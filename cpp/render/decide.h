@@ -18,8 +18,8 @@ std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size
 // All of a batch.
 std::vector<numerics::Ray> rays_of(const Rays& rays);
 
-// What the reference is asked. The options must outlive it.
-numerics::Query query_of(const Formulas& formulas, const Bounds& bounds, const Options& options);
+// What the reference is asked, or asked in its quick way. The options must outlive it.
+numerics::Query query_of(const Formulas& formulas, const Bounds& bounds, const Options& options, bool quick = false);
 
 // Puts what the reference finds on `rays`, which are the elements `where` of the answer, into it: status, depth, uncertainty, normal,
 // colour. t counts in lengths of the directions. Returns those that it cannot decide, which stay as they are.
@@ -36,13 +36,13 @@ std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size
 
 // How rays that single precision left open, elements of the answer, are decided.
 struct Second {
-  std::function<std::vector<std::size_t>(const std::vector<std::size_t>&, const numerics::Query&)> refer;  // `decide`
-  std::function<Answer(const std::vector<std::size_t>&)> pass;                                             // by the kernel in double
-  std::function<bool()> prepare;  // begins to build that kernel; whether it is there
+  std::function<std::vector<std::size_t>(const std::vector<std::size_t>&)> refer;  // `decide`, in the reference's quick way
+  std::function<Answer(const std::vector<std::size_t>&)> pass;                     // by the kernel in double
+  std::function<bool()> prepare;                                                   // begins to build that kernel; whether it is there
 };
 
-// By the reference in its quick way and the kernel in double: by whichever is at hand first, and what that leaves by the other.
-void decide_open(Answer& answer, const program::Program& program, const Second& second, numerics::Query query, const Options& options);
+// By the reference and the kernel in double: by whichever is at hand first, and what that leaves by the other.
+void decide_open(Answer& answer, const program::Program& program, const Second& second, const Options& options);
 
 // Unit normals towards the viewer at the points of the rays given, from the gradient in double; nan where there is none. `front`: the
 // side of the viewer is that where f > 0.

@@ -134,13 +134,15 @@ Answer camera_passes(const program::Program& program, const Formulas& formulas, 
   };
   const std::size_t rows = pixels ? pitch : answer.pitch;
   const Second again{
-      [&](const std::vector<std::size_t>& open, const numerics::Query& query) { return decide(answer, open, rays_of(view, named(open), rows), formulas, query, options); },
+      [&](const std::vector<std::size_t>& open) {
+        return decide(answer, open, rays_of(view, named(open), rows), formulas, query_of(formulas, bounds, options, true), options);
+      },
       [&](const std::vector<std::size_t>& open) {
         const auto which = named(open);
         return pass(program, view, bounds, options, device, Precision::Double, &which, rows);
       },
       [&] { return prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::PixelList), device); }};
-  decide_open(answer, program, again, query_of(formulas, bounds, options), options);
+  decide_open(answer, program, again, options);
   return answer;
 }
 

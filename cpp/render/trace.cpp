@@ -29,10 +29,10 @@ Answer trace_rays(const program::Program& program, const Formulas& formulas, con
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
   if (!second || answer.outcome != device::Outcome::done) return answer;
   const Second again{
-      [&](const std::vector<std::size_t>& open, const numerics::Query& query) { return decide_rays(answer, open, rays, formulas, query, options); },
+      [&](const std::vector<std::size_t>& open) { return decide_rays(answer, open, rays, formulas, query_of(formulas, bounds, options, true), options); },
       [&](const std::vector<std::size_t>& open) { return pass(program, rays, &open, bounds, options, device, Precision::Double); },
       [&] { return prepare(program, spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::RayList), device); }};
-  decide_open(answer, program, again, query_of(formulas, bounds, options), options);
+  decide_open(answer, program, again, options);
   return answer;
 }
 
