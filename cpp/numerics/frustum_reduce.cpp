@@ -5,8 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "caps.h"
 #include "numerics/frustum_cuts.h"
 #include "numerics/widest.h"
+
+// Vectors are handed between functions that are always inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace irt::numerics {
 namespace {
@@ -60,6 +64,104 @@ std::vector<long double> bernstein_of_chebyshev(std::size_t r, std::size_t n) {
 
 typedef double Lanes __attribute__((vector_size(sizeof(double) * kLanes), aligned(alignof(double)), may_alias));
 
+[[gnu::always_inline]] inline Lanes& lanes(double* at) { return *reinterpret_cast<Lanes*>(at); }
+[[gnu::always_inline]] inline const Lanes& lanes(const double* at) { return *reinterpret_cast<const Lanes*>(at); }
+[[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
+[[gnu::always_inline]] inline Lanes sizes(Lanes v) { return larger(v, -v); }
+
+// What polynomials are made of: rows of factors, one for each sum of opposite coefficients and the middle one, or for each difference.
+struct Folded {
+  const double *even, *odd;
+  std::size_t evens, odds;  // rows
+};
+
+// kN coefficients `stride` apart, or n where kN is zero. Both bases are symmetric: even polynomials are made of sums of opposite coefficients, odd
+// ones of differences, in half the products.
+template <std::size_t kN>
+class Fold {
+ public:
+  [[gnu::always_inline]] Fold(const double* from, std::size_t stride, std::size_t n) : n_(kN ? kN : n) {
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < n_ / 2; ++i) {
+      const Lanes a = lanes(from + i * stride), b = lanes(from + (n_ - 1 - i) * stride);
+      sums_[i] = a + b;
+      differences_[i] = a - b;
+    }
+    if (n_ % 2) sums_[n_ / 2] = lanes(from + n_ / 2 * stride);
+  }
+  [[gnu::always_inline]] Lanes even(const double* factors) const { return of(factors, sums_, (n_ + 1) / 2); }
+  [[gnu::always_inline]] Lanes odd(const double* factors) const { return of(factors, differences_, n_ / 2); }
+  std::size_t sums() const { return (n_ + 1) / 2; }
+  std::size_t differences() const { return n_ / 2; }
+
+ private:
+  [[gnu::always_inline]] static Lanes of(const double* factors, const Lanes* terms, std::size_t n) {
+    Lanes sum = factors[0] * terms[0];
+#pragma GCC unroll 16
+    for (std::size_t i = 1; i < n; ++i) sum += factors[i] * terms[i];
+    return sum;
+  }
+
+  static constexpr std::size_t kMost = kN ? kN : limits::kFrustumDegree + 1;
+  std::size_t n_;
+  Lanes sums_[(kMost + 1) / 2] = {}, differences_[kMost / 2] = {};
+};
+
+// polynomials[r] = that of degree r, of n lines of `width` values, a multiple of kLanes.
+template <std::size_t kN>
+[[gnu::always_inline]] inline void polynomials_of(const double* lines, std::size_t n, std::size_t width, const Folded& m, double* polynomials) {
+  for (std::size_t w = 0; w < width; w += kLanes) {
+    const Fold<kN> fold(lines + w, width, n);
+    for (std::size_t r = 0; r < fold.sums(); ++r) lanes(polynomials + 2 * r * width + w) = fold.even(m.even + r * fold.sums());
+    for (std::size_t r = 0; r < fold.differences(); ++r) lanes(polynomials + (2 * r + 1) * width + w) = fold.odd(m.odd + r * fold.differences());
+  }
+}
+
+// Planes of n lines become planes of `kept` lines; largest[r]: the largest size of what lies beyond in each polynomial, even ones first.
+template <std::size_t kN>
+[[gnu::always_inline]] inline void shorten(const double* planes, std::size_t n, std::size_t kept, std::size_t width, const Folded& m, double* to, double* largest) {
+  std::fill_n(largest, (n - kept) * width, 0.0);
+  for (std::size_t j = 0; j < n; ++j, planes += n * width, to += kept * width)
+    for (std::size_t w = 0; w < width; w += kLanes) {
+      const Fold<kN> fold(planes + w, width, n);
+      const double *even = m.even, *odd = m.odd;
+      for (std::size_t r = 0; r < kept / 2; ++r, even += fold.sums(), odd += fold.differences()) {
+        const Lanes a = fold.even(even), b = fold.odd(odd);
+        lanes(to + r * width + w) = a + b;
+        lanes(to + (kept - 1 - r) * width + w) = a - b;
+      }
+      if (kept % 2) {
+        lanes(to + kept / 2 * width + w) = fold.even(even);
+        even += fold.sums();
+      }
+      double* beyond = largest + w;
+      for (std::size_t r = (kept + 1) / 2; r < m.evens; ++r, even += fold.sums(), beyond += width) lanes(beyond) = larger(sizes(fold.even(even)), lanes(beyond));
+      for (std::size_t r = kept / 2; r < m.odds; ++r, odd += fold.differences(), beyond += width) lanes(beyond) = larger(sizes(fold.odd(odd)), lanes(beyond));
+    }
+}
+
+IRT_WIDEST void polynomials_of(const double* lines, std::size_t n, std::size_t width, const Folded& m, double* polynomials) {
+  switch (n) {
+    case 8: return polynomials_of<8>(lines, n, width, m, polynomials);
+    case 9: return polynomials_of<9>(lines, n, width, m, polynomials);
+    case 10: return polynomials_of<10>(lines, n, width, m, polynomials);
+    case 11: return polynomials_of<11>(lines, n, width, m, polynomials);
+    case 12: return polynomials_of<12>(lines, n, width, m, polynomials);
+    case 13: return polynomials_of<13>(lines, n, width, m, polynomials);
+    default: return polynomials_of<0>(lines, n, width, m, polynomials);
+  }
+}
+
+IRT_WIDEST void shorten(const double* planes, std::size_t n, std::size_t kept, std::size_t width, const Folded& m, double* to, double* largest) {
+  switch (n) {
+    case 10: return shorten<10>(planes, n, kept, width, m, to, largest);
+    case 11: return shorten<11>(planes, n, kept, width, m, to, largest);
+    case 12: return shorten<12>(planes, n, kept, width, m, to, largest);
+    case 13: return shorten<13>(planes, n, kept, width, m, to, largest);
+    default: return shorten<0>(planes, n, kept, width, m, to, largest);
+  }
+}
+
 // A product of matrices: `rows` lines of n factors, `from_step` apart, with n lines of `width` values.
 struct Product {
   std::size_t rows, n, width, from_step, with_step, to_step;
@@ -72,19 +174,19 @@ template <std::size_t kRows, std::size_t kVectors>
   for (std::size_t i = 0; i < p.n; ++i)
 #pragma GCC unroll 8
     for (std::size_t v = 0; v < kVectors; ++v) {
-      const Lanes value = *reinterpret_cast<const Lanes*>(with + i * p.with_step + v * kLanes);
+      const Lanes value = lanes(with + i * p.with_step + v * kLanes);
 #pragma GCC unroll 8
       for (std::size_t r = 0; r < kRows; ++r) sums[r][v] += from[r * p.from_step + i] * value;
     }
   for (std::size_t r = 0; r < kRows; ++r)
-    for (std::size_t v = 0; v < kVectors; ++v) *reinterpret_cast<Lanes*>(to + r * p.to_step + v * kLanes) = sums[r][v];
+    for (std::size_t v = 0; v < kVectors; ++v) lanes(to + r * p.to_step + v * kLanes) = sums[r][v];
 }
 
 template <std::size_t kRows>
 [[gnu::always_inline]] inline void rows_of(const double* from, const double* with, double* to, const Product& p) {
   std::size_t w = 0;
-  for (; w + 2 * kLanes <= p.width; w += 2 * kLanes) block<kRows, 2>(from, with + w, to + w, p);
-  if (w < p.width) block<kRows, 1>(from, with + w, to + w, p);
+  for (; w + 3 * kLanes <= p.width; w += 3 * kLanes) block<kRows, 3>(from, with + w, to + w, p);
+  for (; w < p.width; w += kLanes) block<kRows, 1>(from, with + w, to + w, p);
 }
 
 // width: a multiple of kLanes.
@@ -103,11 +205,8 @@ IRT_WIDEST void multiply(const double* from, const double* with, double* to, con
 IRT_WIDEST void sizes_of(const double* values, std::size_t n, std::size_t width, double* sums) {
   for (std::size_t w = 0; w < width; w += kLanes) {
     Lanes sum{};
-    for (std::size_t k = 0; k < n; ++k) {
-      const Lanes v = *reinterpret_cast<const Lanes*>(values + k * width + w);
-      sum += v < Lanes{} ? -v : v;
-    }
-    *reinterpret_cast<Lanes*>(sums + w) = sum;
+    for (std::size_t k = 0; k < n; ++k) sum += sizes(lanes(values + k * width + w));
+    lanes(sums + w) = sum;
   }
 }
 
@@ -115,12 +214,13 @@ IRT_WIDEST void sizes_of(const double* values, std::size_t n, std::size_t width,
 IRT_WIDEST void largest_of(const double* values, std::size_t n, std::size_t width, double* largest) {
   for (std::size_t w = 0; w < width; w += kLanes) {
     Lanes most{};
-    for (std::size_t k = 0; k < n; ++k) {
-      const Lanes v = *reinterpret_cast<const Lanes*>(values + k * width + w), size = v < Lanes{} ? -v : v;
-      most = size > most ? size : most;
-    }
-    *reinterpret_cast<Lanes*>(largest + w) = most;
+    for (std::size_t k = 0; k < n; ++k) most = larger(sizes(lanes(values + k * width + w)), most);
+    lanes(largest + w) = most;
   }
+}
+
+Folded folded(const auto& halves, std::size_t sums, std::size_t differences) {
+  return {halves.even.data(), halves.odd.data(), halves.even.size() / sums, differences ? halves.odd.size() / differences : 0};
 }
 
 double largest_of(const double* values, std::size_t n) {
@@ -131,15 +231,23 @@ double largest_of(const double* values, std::size_t n) {
 }  // namespace
 
 Reduction::Reduction(int degree, int depth)
-    : n_(static_cast<std::size_t>(degree) + 1), depth_(static_cast<std::size_t>(depth) + 1), lines_((n_ + kLanes - 1) / kLanes * kLanes), down_(n_ * n_),
-      across_(n_ * lines_, 0) {
+    : n_(static_cast<std::size_t>(degree) + 1), depth_(static_cast<std::size_t>(depth) + 1), lines_((n_ + kLanes - 1) / kLanes * kLanes), across_(n_ * lines_, 0) {
   const Matrix m = chebyshev_of_bernstein(n_);
   double all = 0, along = 1;
   for (std::size_t r = 0; r < n_; ++r)
     for (std::size_t i = 0; i < n_; ++i) {
-      down_[r * n_ + i] = across_[i * lines_ + r] = static_cast<double>(m[r][i]);
-      all += std::fabs(down_[r * n_ + i]);
+      across_[i * lines_ + r] = static_cast<double>(m[r][i]);
+      all += std::fabs(across_[i * lines_ + r]);
     }
+  // Of folded lines.
+  const auto add = [&](Halves& to, std::size_t r, const auto& at) {
+    if (r % 2 == 0) {
+      for (std::size_t i = 0; i < (n_ + 1) / 2; ++i) to.even.push_back(static_cast<double>(at(i)));
+    } else {
+      for (std::size_t i = 0; i < n_ / 2; ++i) to.odd.push_back(static_cast<double>(at(i)));
+    }
+  };
+  for (std::size_t r = 0; r < n_; ++r) add(down_, r, [&](std::size_t i) { return m[r][i]; });
   if (depth_ < n_) {
     Matrix kept(depth_, std::vector<long double>(n_, 0));
     for (std::size_t r = 0; r < depth_; ++r) {
@@ -149,16 +257,16 @@ Reduction::Reduction(int degree, int depth)
     }
     for (const auto& row : kept) {
       double sum = 0;
-      for (const long double v : row) {
-        along_.push_back(static_cast<double>(v));
-        sum += std::fabs(along_.back());
-      }
+      for (const long double v : row) sum += static_cast<double>(std::fabs(v));
       along = std::max(along, sum);
     }
-    for (std::size_t r = depth_; r < n_; ++r)
-      for (const long double v : m[r]) along_.push_back(static_cast<double>(v));
+    // Means and half the differences of opposite lines, then what is lost.
+    for (std::size_t k = 0; k < (depth_ + 1) / 2; ++k) add(along_, 0, [&](std::size_t i) { return 0.5L * (kept[k][i] + kept[depth_ - 1 - k][i]); });
+    for (std::size_t k = 0; k < depth_ / 2; ++k) add(along_, 1, [&](std::size_t i) { return 0.5L * (kept[k][i] - kept[depth_ - 1 - k][i]); });
+    for (std::size_t r = depth_; r < n_; ++r) add(along_, r, [&](std::size_t i) { return m[r][i]; });
   }
-  rounding_ = 0x1p-53 * static_cast<double>(n_ + 4) * along * (1 + all + all * all);
+  // Each of n terms at most is rounded; so are sums of lines before and after.
+  rounding_ = 0x1p-53 * static_cast<double>(n_ + 10) * along * (1 + all + all * all);
 }
 
 bool Reduction::run(const double* form, std::size_t padded, double largest, double tolerance, bool must, Reduced& out) const {
@@ -167,24 +275,22 @@ bool Reduction::run(const double* form, std::size_t padded, double largest, doub
     if (v.size() < size) v.resize(size);
     return v.data();
   };
-  double* const first = room(out.scratch, (2 * n + 1) * n * m);
-  double *const second = first + n * n * m, *const line = second + n * n * m;
+  double* const first = room(out.scratch, 2 * n * n * m);
+  double* const second = first + n * n * m;
   out.error = rounding_ * largest;
   const double* planes = form;
   if (depth_ < n) {
     // Along the depth, plane by plane. f is a mean of its lines, so what the worst of them loses bounds what f does.
-    const std::size_t lost = n - depth_;
-    for (std::size_t j = 0; j < n; ++j) multiply(along_.data() + depth_ * n, form + j * n * m, second + j * lost * m, {lost, n, m, n, m, m});
-    largest_of(second, n, lost * m, line);
+    double* const lost = second;
+    shorten(form, n, depth_, m, folded(along_, (n + 1) / 2, n / 2), first, lost);
     double error = 0;
-    for (std::size_t r = 0; r < lost; ++r) error += *std::max_element(line + r * m, line + (r + 1) * m);
+    for (std::size_t r = 0; r < n - depth_; ++r) error += *std::max_element(lost + r * m, lost + (r + 1) * m);
     if (error > tolerance && !must) return false;
     out.error += error;
-    for (std::size_t j = 0; j < n; ++j) multiply(along_.data(), form + j * n * m, first + j * depth_ * m, {depth_, n, m, n, m, m});
     planes = first;
   }
   const std::size_t width = depth_ * m;
-  multiply(down_.data(), planes, second, {n, n, width, n, width, width});
+  polynomials_of(planes, n, width, folded(down_, (n + 1) / 2, n / 2), second);
   out.down = n;
   for (double lost = 0; out.down > 1; --out.down) {
     const double more = largest_of(second + (out.down - 1) * width, width);

@@ -31,8 +31,13 @@ class Reduction {
 
  private:
   std::size_t n_, depth_, lines_;             // coefficients in a line; lines_: n_ rounded up to whole vectors
-  std::vector<double> along_, down_, across_;  // depth: what is kept, then what is lost; [polynomial][coefficient]; [coefficient][polynomial]
-  double rounding_;                            // of all sums, in parts of the largest coefficient
+  // Of sums and of differences of opposite lines, row by row.
+  struct Halves {
+    std::vector<double> even, odd;
+  };
+  Halves along_, down_;         // depth: what is kept, then what is lost; polynomials
+  std::vector<double> across_;  // [coefficient][polynomial]
+  double rounding_;             // of all sums, in parts of the largest coefficient
 };
 
 // Values and slopes of the first n Chebyshev polynomials T_k(2u - 1), and of Bernstein's of degree n - 1.
