@@ -13,20 +13,39 @@ namespace {
 
 typedef double Lanes __attribute__((vector_size(sizeof(double) * kLanes), aligned(alignof(double)), may_alias));
 
+// The extent of all values that it looks at.
+class Range {
+ public:
+  [[gnu::always_inline]] void look(const Lanes& v) {
+    low_ = v < low_ ? v : low_;
+    high_ = v > high_ ? v : high_;
+  }
+  [[gnu::always_inline]] Extent extent() const {
+    Extent e{low_[0], high_[0]};
+    for (std::size_t k = 1; k < kLanes; ++k) e = {std::min(e.lowest, low_[k]), std::max(e.highest, high_[k])};
+    return e;
+  }
+
+ private:
+  Lanes low_ = Lanes{} + HUGE_VAL, high_ = Lanes{} - HUGE_VAL;
+};
+
 // All rounds on n runs of kVectors vectors each, `stride` doubles apart.
 template <std::size_t kVectors>
-[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t n, std::size_t stride, std::size_t vectors) {
+[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t n, std::size_t stride, std::size_t vectors, Range& first, Range& second) {
   const std::size_t count = kVectors ? kVectors : vectors;
   const Lanes half = Lanes{} + 0.5;
   for (std::size_t round = 1; round <= n; ++round) {
     const Lanes* last = reinterpret_cast<const Lanes*>(a + (n - 1) * stride);
     Lanes* kept = reinterpret_cast<Lanes*>(b + (n - round) * stride);
-    for (std::size_t m = 0; m < count; ++m) kept[m] = last[m];
+    for (std::size_t m = 0; m < count; ++m) second.look(kept[m] = last[m]);
     for (std::size_t i = n - 1; i >= round; --i) {
       Lanes* to = reinterpret_cast<Lanes*>(a + i * stride);
       const Lanes* from = reinterpret_cast<const Lanes*>(a + (i - 1) * stride);
       for (std::size_t m = 0; m < count; ++m) to[m] = half * (from[m] + to[m]);
     }
+    const Lanes* done = reinterpret_cast<const Lanes*>(a + (round - 1) * stride);
+    for (std::size_t m = 0; m < count; ++m) first.look(done[m]);
   }
 }
 
@@ -40,58 +59,58 @@ constexpr std::array<double, kMostRuns + 1> kHalves = [] {
 
 // All rounds on one run of vectors that stays in registers: sums instead of means, halved at the end, which rounds alike.
 template <std::size_t kCount>
-[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t stride) {
+[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t stride, Range& first, Range& second) {
   Lanes v[kCount];
 #pragma GCC unroll 16
   for (std::size_t i = 0; i < kCount; ++i) v[i] = *reinterpret_cast<const Lanes*>(a + i * stride);
 #pragma GCC unroll 16
   for (std::size_t round = 0; round < kCount; ++round) {
-    *reinterpret_cast<Lanes*>(b + (kCount - 1 - round) * stride) = v[kCount - 1] * kHalves[round];
+    second.look(*reinterpret_cast<Lanes*>(b + (kCount - 1 - round) * stride) = v[kCount - 1] * kHalves[round]);
 #pragma GCC unroll 16
     for (std::size_t i = kCount - 1; i > round; --i) v[i] += v[i - 1];
   }
+  first.look(v[0]);
 #pragma GCC unroll 16
-  for (std::size_t i = 1; i < kCount; ++i) *reinterpret_cast<Lanes*>(a + i * stride) = v[i] * kHalves[i];
+  for (std::size_t i = 1; i < kCount; ++i) first.look(*reinterpret_cast<Lanes*>(a + i * stride) = v[i] * kHalves[i]);
 }
 
 template <std::size_t kCount>
-[[gnu::always_inline]] inline void all_rounds(double* first, double* second, const Runs& runs) {
+[[gnu::always_inline]] inline void all_rounds(double* first, double* second, const Runs& runs, Range& of_first, Range& of_second) {
   for (std::size_t r = 0; r < runs.count; ++r)
-    for (std::size_t m = 0; m < runs.width; m += kLanes) rounds<kCount>(first + r * runs.step + m, second + r * runs.step + m, runs.stride);
+    for (std::size_t m = 0; m < runs.width; m += kLanes) rounds<kCount>(first + r * runs.step + m, second + r * runs.step + m, runs.stride, of_first, of_second);
 }
 
 }  // namespace
 
-IRT_WIDEST void halve(double* first, double* second, const Runs& runs) {
-  switch (runs.n) {
-    case 2: return all_rounds<2>(first, second, runs);
-    case 3: return all_rounds<3>(first, second, runs);
-    case 4: return all_rounds<4>(first, second, runs);
-    case 5: return all_rounds<5>(first, second, runs);
-    case 6: return all_rounds<6>(first, second, runs);
-    case 7: return all_rounds<7>(first, second, runs);
-    case 8: return all_rounds<8>(first, second, runs);
-    case 9: return all_rounds<9>(first, second, runs);
-    case 10: return all_rounds<10>(first, second, runs);
-    case 11: return all_rounds<11>(first, second, runs);
-    case 12: return all_rounds<12>(first, second, runs);
-    case 13: return all_rounds<13>(first, second, runs);
-    case 14: return all_rounds<14>(first, second, runs);
-    case 15: return all_rounds<15>(first, second, runs);
-    default: break;
-  }
+IRT_WIDEST Halves halve(double* first, double* second, const Runs& runs) {
+  Range of_first, of_second;
   const std::size_t vectors = runs.width / kLanes;
-  for (std::size_t r = 0; r < runs.count; ++r) {
-    double *a = first + r * runs.step, *b = second + r * runs.step;
-    switch (vectors) {
-      case 1: rounds<1>(a, b, runs.n, runs.stride, 1); break;
-      case 2: rounds<2>(a, b, runs.n, runs.stride, 2); break;
-      case 3: rounds<3>(a, b, runs.n, runs.stride, 3); break;
-      case 4: rounds<4>(a, b, runs.n, runs.stride, 4); break;
-      case 5: rounds<5>(a, b, runs.n, runs.stride, 5); break;
-      default: rounds<0>(a, b, runs.n, runs.stride, vectors);
-    }
+  switch (runs.n) {
+    case 2: all_rounds<2>(first, second, runs, of_first, of_second); break;
+    case 3: all_rounds<3>(first, second, runs, of_first, of_second); break;
+    case 4: all_rounds<4>(first, second, runs, of_first, of_second); break;
+    case 5: all_rounds<5>(first, second, runs, of_first, of_second); break;
+    case 6: all_rounds<6>(first, second, runs, of_first, of_second); break;
+    case 7: all_rounds<7>(first, second, runs, of_first, of_second); break;
+    case 8: all_rounds<8>(first, second, runs, of_first, of_second); break;
+    case 9: all_rounds<9>(first, second, runs, of_first, of_second); break;
+    case 10: all_rounds<10>(first, second, runs, of_first, of_second); break;
+    case 11: all_rounds<11>(first, second, runs, of_first, of_second); break;
+    case 12: all_rounds<12>(first, second, runs, of_first, of_second); break;
+    case 13: all_rounds<13>(first, second, runs, of_first, of_second); break;
+    case 14: all_rounds<14>(first, second, runs, of_first, of_second); break;
+    case 15: all_rounds<15>(first, second, runs, of_first, of_second); break;
+    default:
+      for (std::size_t r = 0; r < runs.count; ++r) {
+        double *a = first + r * runs.step, *b = second + r * runs.step;
+        switch (vectors) {
+          case 4: rounds<4>(a, b, runs.n, runs.stride, 4, of_first, of_second); break;
+          case 5: rounds<5>(a, b, runs.n, runs.stride, 5, of_first, of_second); break;
+          default: rounds<0>(a, b, runs.n, runs.stride, vectors, of_first, of_second);
+        }
+      }
   }
+  return {of_first.extent(), of_second.extent()};
 }
 
 IRT_WIDEST void halve(double* first_hi, double* first_lo, double* second_hi, double* second_lo, const Runs& runs) {
@@ -135,19 +154,31 @@ IRT_WIDEST Extent extent_of(const double* values, std::size_t n) {
   return e;
 }
 
-IRT_WIDEST Steps steps_of(const double* values, std::size_t n, std::size_t stride) {
+IRT_WIDEST Extent steps_of(const double* values, const Runs& runs) {
+  Range steps;
+  for (std::size_t r = 0; r < runs.count; ++r)
+    for (std::size_t m = 0; m < runs.width; m += kLanes) {
+      const double* at = values + r * runs.step + m;
+      for (std::size_t i = 1; i < runs.n; ++i, at += runs.stride) steps.look(*reinterpret_cast<const Lanes*>(at + runs.stride) - *reinterpret_cast<const Lanes*>(at));
+    }
+  return steps.extent();
+}
+
+IRT_WIDEST double slowest_change(const double* values, const Runs& runs) {
   const Lanes none = {}, endless = none + HUGE_VAL;
-  Lanes least = endless, most = -endless, slowest = endless;
-  for (std::size_t i = 0; i + stride < n; i += kLanes) {
-    const Lanes a = *reinterpret_cast<const Lanes*>(values + i), b = *reinterpret_cast<const Lanes*>(values + i + stride), step = b - a;
-    least = step < least ? step : least;
-    most = step > most ? step : most;
-    const Lanes size = step < none ? -step : step, changed = ((a < none) != (b < none)) ? size : endless;
-    slowest = changed < slowest ? changed : slowest;
-  }
-  Steps s{least[0], most[0], slowest[0]};
-  for (std::size_t k = 1; k < kLanes; ++k) s = {std::min(s.least, least[k]), std::max(s.most, most[k]), std::min(s.slowest, slowest[k])};
-  return s;
+  Lanes slowest = endless;
+  for (std::size_t r = 0; r < runs.count; ++r)
+    for (std::size_t m = 0; m < runs.width; m += kLanes) {
+      const double* at = values + r * runs.step + m;
+      Lanes a = *reinterpret_cast<const Lanes*>(at);
+      for (std::size_t i = 1; i < runs.n; ++i) {
+        const Lanes b = *reinterpret_cast<const Lanes*>(at += runs.stride), step = b - a, back = -step, size = step > back ? step : back;
+        const Lanes changed = ((a < none) != (b < none)) ? size : endless;
+        slowest = changed < slowest ? changed : slowest;
+        a = b;
+      }
+    }
+  return std::min(std::min(slowest[0], slowest[1]), std::min(slowest[2], slowest[3]));
 }
 
 // Whole vectors: what a line writes beyond its end the next one overwrites.

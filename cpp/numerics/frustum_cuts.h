@@ -5,25 +5,27 @@
 
 namespace irt::numerics {
 
-// de Casteljau's algorithm at the middle, on n runs of `width` values, `stride` apart, `count` times, `step` apart: `first` becomes the
-// coefficients of the first half, `second` those of the second.
+// n lines of `width` values, `stride` apart, `count` times, `step` apart. width: a multiple of kLanes, but for sums of two doubles.
 struct Runs {
   std::size_t n, width, stride, count, step;
 };
-void halve(double* first, double* second, const Runs& runs);  // width: a multiple of kLanes
-// The same for sums hi + lo (kDoubleDoubleUnit).
-void halve(double* first_hi, double* first_lo, double* second_hi, double* second_lo, const Runs& runs);
-
 struct Extent {
   double lowest, highest;
 };
+struct Halves {
+  Extent first, second;
+};
+// de Casteljau's algorithm at the middle: `first` becomes the coefficients of the first half, `second` those of the second.
+Halves halve(double* first, double* second, const Runs& runs);
+// The same for sums hi + lo (kDoubleDoubleUnit).
+void halve(double* first_hi, double* first_lo, double* second_hi, double* second_lo, const Runs& runs);
+
 Extent extent_of(const double* values, std::size_t n);  // n: a multiple of kLanes
 
-// Steps between neighbours `stride` apart, of n values in all: the least, the largest, and the smallest size where signs change.
-struct Steps {
-  double least, most, slowest;
-};
-Steps steps_of(const double* values, std::size_t n, std::size_t stride);
+// The least and the largest step from line to line.
+Extent steps_of(const double* values, const Runs& runs);
+// The smallest size of one where signs change.
+double slowest_change(const double* values, const Runs& runs);
 
 constexpr std::size_t kLanes = 4;
 

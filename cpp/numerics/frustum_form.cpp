@@ -79,6 +79,7 @@ class Cutter {
   // `strip` is the form over column x: [across][down][depth].
   void run(int x, const double* hi, const double* lo, double error) {
     x_ = x;
+    for (int k = 0; k < 2; ++k) sx_[k] = static_cast<double>(frustum_.left + (x + k) * frustum_.across);
     full_.assign(static_cast<std::size_t>(frustum_.span_y()), false);
     if (demand_.tiles)
       for (int y = frustum_.tile_y0; y < frustum_.tile_y1; ++y) full_[y - frustum_.tile_y0] = !(*demand_.tiles)[frustum_.tile_index(x, y)];
@@ -92,7 +93,7 @@ class Cutter {
           form.hi[to] = hi[from];
           form.lo[to] = lo[from];
         }
-    cut({frustum_.tile_y0, frustum_.tile_y0 + frustum_.span_y(), 0, 1 << kMostDepthCuts}, form, error, 0);
+    cut({frustum_.tile_y0, frustum_.tile_y0 + frustum_.span_y(), 0, 1 << kMostDepthCuts}, form, extent_of(form.hi, size_), error, 0);
   }
 
  private:
@@ -102,10 +103,11 @@ class Cutter {
     return {pool_[level].data(), pool_[level].data() + size_};
   }
 
+  Runs along_depth() const { return {n_, m_, m_, n_, n_ * m_}; }
+
   // `form` over `block`; front to back within each tile. False where double leaves a cell less exact than it may be.
-  bool cut(const Block& block, Form form, double error, int level) {
+  bool cut(const Block& block, Form form, const Extent& extent, double error, int level) {
     if (block.y0 >= frustum_.tile_y1) return true;
-    const Extent extent = extent_of(form.hi, size_);
     const double largest = std::max(std::fabs(extent.lowest), std::fabs(extent.highest)), known = error + (form.lo ? 0x1p-53 * largest : 0);
     if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
     if (form.lo && level >= precise_) {
@@ -115,7 +117,7 @@ class Cutter {
       const Form copy{at_level(level + 1).hi, nullptr};
       std::copy_n(form.hi, size_, copy.hi);
       strict_ = level < kPreciseCuts;
-      if (cut(block, copy, known, level + 1)) return true;
+      if (cut(block, copy, extent, known, level + 1)) return true;
       found_.leaves.resize(leaves);
       found_.used = used;
       full_ = full;
@@ -130,18 +132,20 @@ class Cutter {
     Runs runs{n_, n_ * m_, n_ * m_, 1, 0};
     if (axis == Axis::depth) {
       a.last = b.first = (block.first + block.last) / 2;
-      runs = {n_, m_, m_, n_, n_ * m_};
+      runs = along_depth();
     } else {
       a.y1 = b.y0 = (block.y0 + block.y1) / 2;
     }
+    Halves halves;
     if (form.lo) {
       halve(form.hi, form.lo, second.hi, second.lo, runs);
+      halves = {extent_of(form.hi, size_), extent_of(second.hi, size_)};
     } else {
-      halve(form.hi, second.hi, runs);
+      halves = halve(form.hi, second.hi, runs);
     }
     const double child = error + grow_ * (form.lo ? kDoubleDoubleUnit : 0x1p-53) * largest;
     // `form` serves the first part's own cuts; the second waits in its buffer, where deeper levels do not reach.
-    return cut(a, form, child, level + 1) && cut(b, second, child, level + 1);
+    return cut(a, form, halves.first, child, level + 1) && cut(b, second, halves.second, child, level + 1);
   }
 
   double at(int part) const {
@@ -149,17 +153,17 @@ class Cutter {
     return frustum_.near + share * (frustum_.far - frustum_.near);
   }
 
-  glm::dvec3 corner(int tile_x, int tile_y, double s) const {
+  glm::dvec3 corner(double sx, double sy, double s) const {
     const double spread = frustum_.perspective ? frustum_.distance + s : 1;
-    const double sx = static_cast<double>(frustum_.left + tile_x * frustum_.across), sy = static_cast<double>(frustum_.top + tile_y * frustum_.down);
     return frustum_.middle + sx * spread * frustum_.right + sy * spread * frustum_.up + s * frustum_.forward;
   }
 
   // 1 outside the bounds, -1 inside, 0 where that depends.
   int place(const Block& b) const {
     glm::dvec3 corners[8], low(HUGE_VAL), high(-HUGE_VAL);
+    const double sy[] = {static_cast<double>(frustum_.top + b.y0 * frustum_.down), static_cast<double>(frustum_.top + b.y1 * frustum_.down)};
     for (int k = 0; k < 8; ++k) {
-      corners[k] = corner(k & 1 ? x_ + 1 : x_, k & 2 ? b.y1 : b.y0, at(k & 4 ? b.last : b.first));
+      corners[k] = corner(sx_[k & 1], sy[k >> 1 & 1], at(k & 4 ? b.last : b.first));
       low = glm::min(low, corners[k]);
       high = glm::max(high, corners[k]);
     }
@@ -200,17 +204,15 @@ class Cutter {
       return long_slab && length >= (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread ? Axis::depth : Axis::down;
     }
     if (parts == 1) return Axis::none;
-    Steps steps{HUGE_VAL, -HUGE_VAL, HUGE_VAL};
-    for (std::size_t j = 0; j < n_; ++j) {
-      const Steps line = steps_of(form.hi + j * n_ * m_, n_ * m_, m_);
-      steps = {std::min(steps.least, line.least), std::max(steps.most, line.most), std::min(steps.slowest, line.slowest)};
-    }
     const double degree = static_cast<double>(n_ - 1);
-    // Steady: the least slope along any ray is a fair share of the largest value, so that roots are as exact as coefficients are.
-    const double slope = kSteady * largest / degree + 2 * error;
-    if (long_slab && !(steps.least > slope || steps.most < -slope)) return Axis::depth;
+    if (long_slab) {
+      // Steady: the least slope along any ray is a fair share of the largest value, so that roots are as exact as coefficients are.
+      const double slope = kSteady * largest / degree + 2 * error;
+      const Extent steps = steps_of(form.hi, along_depth());
+      if (!(steps.lowest > slope || steps.highest < -slope)) return Axis::depth;
+    }
     // How far off rounding may put a root, in parts of the slab: where coefficients change their sign most slowly.
-    const double blur = (largest * rounding() + error) / std::max(steps.slowest * degree, 1e-300);
+    const double blur = (largest * rounding() + error) / std::max(slowest_change(form.hi, along_depth()) * degree, 1e-300);
     return blur * length > 0.25 * demand_.eps ? Axis::depth : Axis::none;
   }
 
@@ -220,7 +222,7 @@ class Cutter {
     const double scale = std::ldexp(1.0, 1 - exponent), kept = error * scale + 0x1p-52;
     if (!form.lo && strict_ && kept > std::max(rounding(), kExactEnough)) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
-    for (std::size_t j = 0; j < n_; ++j)
+    for (std::size_t j = 0; j < n_ && (above || below); ++j)
       for (std::size_t i = 0; i < n_; ++i) {
         const double first = form.hi[j * n_ * m_ + i], last = form.hi[(j * n_ + n_ - 1) * m_ + i];
         above = above && first > error && last < -error;
@@ -257,6 +259,7 @@ class Cutter {
   std::size_t n_, m_, size_;
   double grow_, slack_;
   int x_ = 0;
+  double sx_[2] = {};   // its left and its right
   int precise_ = 0;     // cuts that this column needs in sums of two doubles
   bool strict_ = true;  // whether cells have to be exact enough
   std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already (nothing behind it is seen), or that nobody asked for

@@ -1,6 +1,8 @@
 // Halvings in registers and in memory: de Casteljau's algorithm, bit for bit, whatever the number of coefficients.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -27,10 +29,35 @@ TEST(Halve, IsDeCasteljausAlgorithm) {
           for (std::size_t k = 0; k + 1 < n - i; ++k) c[k] = 0.5 * (c[k] + c[k + 1]);
         }
       }
-    halve(first.data(), second.data(), {n, width, width, 2, n * width});
+    const Halves halves = halve(first.data(), second.data(), {n, width, width, 2, n * width});
     EXPECT_EQ(first, left) << n;
     EXPECT_EQ(second, right) << n;
+    EXPECT_EQ(halves.first.lowest, *std::min_element(left.begin(), left.end())) << n;
+    EXPECT_EQ(halves.first.highest, *std::max_element(left.begin(), left.end())) << n;
+    EXPECT_EQ(halves.second.lowest, *std::min_element(right.begin(), right.end())) << n;
+    EXPECT_EQ(halves.second.highest, *std::max_element(right.begin(), right.end())) << n;
   }
+}
+
+TEST(Steps, GoFromLineToLine) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> any(-3, 3);
+  const std::size_t n = 5, width = 2 * kLanes;
+  std::vector<double> values(3 * n * width);
+  for (double& v : values) v = any(random);
+  double least = HUGE_VAL, most = -HUGE_VAL, slowest = HUGE_VAL;
+  for (std::size_t run = 0; run < 3; ++run)
+    for (std::size_t i = 1; i < n; ++i)
+      for (std::size_t m = 0; m < width; ++m) {
+        const double a = values[(run * n + i - 1) * width + m], b = values[(run * n + i) * width + m];
+        least = std::min(least, b - a);
+        most = std::max(most, b - a);
+        if ((a < 0) != (b < 0)) slowest = std::min(slowest, std::fabs(b - a));
+      }
+  const Runs runs{n, width, width, 3, n * width};
+  EXPECT_EQ(steps_of(values.data(), runs).lowest, least);
+  EXPECT_EQ(steps_of(values.data(), runs).highest, most);
+  EXPECT_EQ(slowest_change(values.data(), runs), slowest);
 }
 
 TEST(Pack, WritesLinesOneBehindTheOther) {
