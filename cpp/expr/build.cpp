@@ -88,13 +88,18 @@ int compare_deep(const Expr& a, const Expr& b, int depth) {
 
 bool less(const Expr& a, const Expr& b) { return compare(a, b) < 0; }
 
-// Terms of a sum: high powers first, numbers last.
-bool term_less(const Expr& a, const Expr& b) {
-  const auto wa = a.key()->weight, wb = b.key()->weight;
+// A term of a sum, and what is left of it without its coefficient.
+struct Term {
+  explicit Term(const Expr& e) : whole(e), rest(split_coefficient(e).second) {}
+  Expr whole, rest;
+};
+
+// High powers first, numbers last.
+bool term_less(const Term& a, const Term& b) {
+  const auto wa = a.whole.key()->weight, wb = b.whole.key()->weight;
   if (wa != wb) return wa > wb;
-  const Expr ra = split_coefficient(a).second, rb = split_coefficient(b).second;
-  if (const int c = compare(ra, rb)) return c < 0;
-  return compare(a, b) < 0;
+  if (const int c = compare(a.rest, b.rest)) return c < 0;
+  return compare(a.whole, b.whole) < 0;
 }
 
 // c * rest, for a rest that is already canonical.
@@ -175,7 +180,7 @@ Expr add(std::span<const Expr> terms) {
       take(t);
     }
   }
-  std::vector<Expr> kept;
+  std::vector<Term> terms_kept;
   std::unordered_set<Expr, ExprHash> zeros;
   for (const Expr& rest : order) {
     Expr term = with_coefficient(coefficient.at(rest), rest);
@@ -186,9 +191,11 @@ Expr add(std::span<const Expr> terms) {
     // What is left of zero times a product may be there already.
     if (sgn(coefficient.at(rest)) == 0)
       if (const Expr left = split_coefficient(term).second; !(left == rest) && (coefficient.contains(left) || !zeros.insert(left).second)) continue;
-    kept.push_back(std::move(term));
+    terms_kept.emplace_back(term);
   }
-  std::sort(kept.begin(), kept.end(), term_less);
+  std::sort(terms_kept.begin(), terms_kept.end(), term_less);
+  std::vector<Expr> kept;
+  for (Term& t : terms_kept) kept.push_back(std::move(t.whole));
   check_bits(constant);
   if (sgn(constant) != 0) kept.push_back(number(constant));
   if (kept.empty()) return Expr(0L);

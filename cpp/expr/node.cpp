@@ -84,14 +84,18 @@ void Store::retain(const Node* node) noexcept { const_cast<Node*>(node)->referen
 
 void Store::release(const Node* released) noexcept {
   // Counts above one fall without the lock. The last one falls under it, so that no one finds a node that is going.
+  const auto shared = [](Node* node) {
+    auto count = node->references.load(std::memory_order_relaxed);
+    bool done = false;
+    while (count > 1 && !done) done = node->references.compare_exchange_weak(count, count - 1, std::memory_order_acq_rel);
+    return done;
+  };
+  if (shared(const_cast<Node*>(released))) return;
   std::vector<Node*> pending{const_cast<Node*>(released)};
   while (!pending.empty()) {
     Node* node = pending.back();
     pending.pop_back();
-    auto count = node->references.load(std::memory_order_relaxed);
-    bool done = false;
-    while (count > 1 && !done) done = node->references.compare_exchange_weak(count, count - 1, std::memory_order_acq_rel);
-    if (done) continue;
+    if (shared(node)) continue;
     {
       const std::lock_guard lock(table().mutex);
       if (node->references.fetch_sub(1, std::memory_order_acq_rel) > 1) continue;

@@ -51,7 +51,7 @@ std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const
       return std::nullopt;
     }
   }
-  return std::pair(exponents, mul(rest));
+  return std::pair(exponents, rest.size() == 1 ? rest[0] : mul(rest));
 }
 
 using Monomials = std::vector<std::pair<std::array<int, 3>, Expr>>;
@@ -87,7 +87,9 @@ Expr nested(const Expr& e) {
     free[p.key()] = freedom.visit(p);
     std::vector<Expr> args;
     for (const Expr& a : p.args()) args.push_back(memo.at(a.key()));
-    Expr r = p.arity() ? call(p.op(), args) : p;
+    // Most parts of a large polynomial are monomials, which stay as they are.
+    const bool same = std::equal(args.begin(), args.end(), p.args().begin());
+    Expr r = p;
     if (p.op() == Op::Add && !free.at(p.key())) {
       Monomials terms;
       std::vector<Expr> others;
@@ -99,7 +101,9 @@ Expr nested(const Expr& e) {
         }
       }
       if (!terms.empty()) others.push_back(nest(terms, 0));
-      r = add(others);
+      if (!terms.empty() || !same) r = add(others);
+    } else if (!same) {
+      r = call(p.op(), args);
     }
     memo.emplace(p.key(), r);
   }

@@ -228,9 +228,9 @@ numerics::PolynomialPlan plan_of(const numerics::Formula& formula) {
   return std::move(*plan);
 }
 
-// A formula that forms are made of, nested, and its plan.
+// A formula that forms are made of, nested and without its gradient, and its plan.
 struct Planned {
-  Planned(const Expr& f, const std::map<std::string, double>& parameters) : formula(nested(f), parameters), plan(plan_of(formula)) {}
+  Planned(const Expr& f, const std::map<std::string, double>& parameters) : formula(nested(f), parameters, false), plan(plan_of(formula)) {}
   numerics::Formula formula;
   numerics::PolynomialPlan plan;
 };
