@@ -17,85 +17,123 @@ DoubleDouble rounded(Quad v) {
   return {hi, std::isfinite(hi) ? static_cast<double>(v - static_cast<Quad>(hi)) : 0};
 }
 
-// A tensor in the scaled Bernstein basis u^i (1 - u)^(n - i), of degree n along each axis, with the sum of the sizes of all that
-// went into each coefficient; `depth` bounds how many roundings each of these has seen.
+// Sums hi + lo and the sums of the sizes of all that went into each.
+struct Values {
+  std::vector<double> hi, lo, size;
+
+  explicit Values(std::size_t n) : hi(n), lo(n), size(n) {}
+  DoubleDouble at(std::size_t i) const { return {hi[i], lo[i]}; }
+  void set(std::size_t i, const DoubleDouble& v) {
+    hi[i] = v.hi;
+    lo[i] = v.lo;
+    size[i] = std::fabs(v.hi);
+  }
+};
+
+// A tensor in the scaled Bernstein basis u^i (1 - u)^(n - i), of degree n along each axis; `depth` bounds how many roundings each of its values has seen.
 struct Tensor {
-  int degree = 0;
+  explicit Tensor(int degree = 0) : degree(degree), values(side() * side() * side()) {}
+  int degree;
   double depth = 0;
-  std::vector<DoubleDouble> value{DoubleDouble(0)};
-  std::vector<double> size{0.0};
+  Values values;
 
   std::size_t side() const { return static_cast<std::size_t>(degree) + 1; }
 };
 
-// to += v with, out += s sizes.
-IRT_WIDEST void add_scaled(DoubleDouble* to, double* out, const DoubleDouble* with, const double* sizes, DoubleDouble v, double s, std::size_t n) {
+// to[at + m] += with[from + m] for n values, times (v, s) where `times` is given.
+[[gnu::always_inline]] inline void add_run(Values& to, std::size_t at, const Values& with, std::size_t from, std::size_t n, DoubleDouble v, double s, bool times) {
+  double *const hi = to.hi.data() + at, *const lo = to.lo.data() + at, *const size = to.size.data() + at;
+  const double *const with_hi = with.hi.data() + from, *const with_lo = with.lo.data() + from, *const with_size = with.size.data() + from;
+#pragma GCC ivdep
   for (std::size_t m = 0; m < n; ++m) {
-    to[m] = to[m] + v * with[m];
-    out[m] += s * sizes[m];
+    const DoubleDouble w{with_hi[m], with_lo[m]}, sum = DoubleDouble{hi[m], lo[m]} + (times ? v * w : w);
+    hi[m] = sum.hi;
+    lo[m] = sum.lo;
+    size[m] += times ? s * with_size[m] : with_size[m];
   }
 }
 
-Tensor product(const Tensor& a, const Tensor& b) {
-  if (a.side() > b.side()) return product(b, a);
-  Tensor r;
-  r.degree = a.degree + b.degree;
-  const std::size_t n = r.side(), na = a.side(), nb = b.side();
-  r.depth = a.depth + b.depth + 1 + static_cast<double>(na * na * na);
-  r.value.assign(n * n * n, DoubleDouble(0));
-  r.size.assign(n * n * n, 0);
+// The same values in a tensor of a larger side, with zeros beyond.
+Values spread(const Values& v, std::size_t side, std::size_t larger) {
+  Values out(larger * larger * larger);
+  for (std::size_t i = 0; i < side; ++i)
+    for (std::size_t j = 0; j < side; ++j) {
+      const auto from = static_cast<std::ptrdiff_t>((i * side + j) * side), to = static_cast<std::ptrdiff_t>((i * larger + j) * larger), n = static_cast<std::ptrdiff_t>(side);
+      std::copy_n(v.hi.begin() + from, n, out.hi.begin() + to);
+      std::copy_n(v.lo.begin() + from, n, out.lo.begin() + to);
+      std::copy_n(v.size.begin() + from, n, out.size.begin() + to);
+    }
+  return out;
+}
+
+// Factors as small as coordinates meet a tensor of the product's own side, which is then added as one run.
+constexpr std::size_t kSmallSide = 3;
+
+IRT_WIDEST void add_products(const Tensor& a, const Tensor& b, Tensor& r) {
+  const std::size_t n = r.side(), na = a.side(), nb = b.side(), run = ((nb - 1) * n + nb - 1) * n + nb;
+  const bool whole = na <= kSmallSide;
+  const Values wide = whole ? spread(b.values, nb, n) : Values(0);
   for (std::size_t i = 0; i < na; ++i)
     for (std::size_t j = 0; j < na; ++j)
       for (std::size_t k = 0; k < na; ++k) {
         const std::size_t at = (i * na + j) * na + k;
-        if (a.size[at] == 0) continue;
+        const DoubleDouble v = a.values.at(at);
+        const double s = a.values.size[at];
+        if (s == 0) continue;
+        if (whole) {
+          add_run(r.values, (i * n + j) * n + k, wide, 0, run, v, s, true);
+          continue;
+        }
         for (std::size_t p = 0; p < nb; ++p)
-          for (std::size_t q = 0; q < nb; ++q) {
-            const std::size_t from = (p * nb + q) * nb, to = ((i + p) * n + j + q) * n + k;
-            add_scaled(&r.value[to], &r.size[to], &b.value[from], &b.size[from], a.value[at], a.size[at], nb);
-          }
+          for (std::size_t q = 0; q < nb; ++q) add_run(r.values, ((i + p) * n + j + q) * n + k, b.values, (p * nb + q) * nb, nb, v, s, true);
       }
+}
+
+Tensor product(const Tensor& a, const Tensor& b) {
+  if (a.side() > b.side()) return product(b, a);
+  Tensor r(a.degree + b.degree);
+  const double terms = static_cast<double>(a.side() * a.side() * a.side());
+  r.depth = a.depth + b.depth + 1 + terms;
+  add_products(a, b, r);
   return r;
 }
 
-// 1, of degree n: the binomials along each axis.
-Tensor one(int degree) {
-  Tensor r;
-  r.degree = degree;
-  r.depth = 3;
-  const std::size_t n = r.side();
-  std::vector<double> binomial(n, 1);
-  for (std::size_t i = 1; i < n; ++i) binomial[i] = std::round(binomial[i - 1] * static_cast<double>(n - i) / static_cast<double>(i));
-  r.value.resize(n * n * n);
-  r.size.resize(n * n * n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t at = (i * n + j) * n + k;
-        r.value[at] = DoubleDouble(binomial[i]) * DoubleDouble(binomial[j]) * DoubleDouble(binomial[k]);
-        r.size[at] = r.value[at].hi;
+// Of a degree that is larger by `by`: times u + (1 - u) along each axis, so many times.
+IRT_WIDEST void raise(Values& v, std::size_t side, std::size_t n) {
+  for (const std::size_t step : {std::size_t{1}, n, n * n})
+    for (std::size_t last = side; last < n; ++last)
+      for (std::size_t i = last; i > 0; --i) {
+        // Lines or planes that follow one another; along the innermost axis, single values of lines.
+        if (step > 1) {
+          const std::size_t rows = step == n ? side : 1;
+          for (std::size_t row = 0; row < rows; ++row) add_run(v, row * n * n + i * step, v, row * n * n + (i - 1) * step, step, {}, 0, false);
+        } else {
+          for (std::size_t row = 0; row < side; ++row)
+            for (std::size_t line = 0; line < side; ++line) add_run(v, (row * n + line) * n + i, v, (row * n + line) * n + i - 1, 1, {}, 0, false);
+        }
       }
+}
+
+Tensor raised(const Tensor& b, int by) {
+  Tensor r(b.degree + by);
+  r.depth = b.depth + 3 * by;
+  r.values = spread(b.values, b.side(), r.side());
+  raise(r.values, b.side(), r.side());
   return r;
 }
 
 Tensor sum(Tensor a, Tensor b) {
   if (a.degree < b.degree) std::swap(a, b);
-  if (b.degree < a.degree) b = product(b, one(a.degree - b.degree));
-  for (std::size_t i = 0; i < a.value.size(); ++i) {
-    a.value[i] = a.value[i] + b.value[i];
-    a.size[i] += b.size[i];
-  }
+  if (b.degree < a.degree) b = raised(b, a.degree - b.degree);
+  add_run(a.values, 0, b.values, 0, a.values.hi.size(), {}, 0, false);
   a.depth = std::max(a.depth, b.depth) + 1;
   return a;
 }
 
 // The coordinate `axis` over the whole frustum: trilinear, so its corners say all.
 Tensor coordinate(const Frustum& f, int axis) {
-  Tensor r;
-  r.degree = 1;
+  Tensor r(1);
   r.depth = 8;
-  r.value.resize(8);
-  r.size.resize(8);
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       for (int k = 0; k < 2; ++k) {
@@ -104,9 +142,7 @@ Tensor coordinate(const Frustum& f, int axis) {
         const Quad sx = Quad(f.left) + Quad(f.tile_x0 + (i ? f.span_x() : 0)) * Quad(f.across),
                    sy = Quad(f.top) + Quad(f.tile_y0 + (j ? f.span_y() : 0)) * Quad(f.down);
         const Quad parts[] = {Quad(f.middle[axis]), sx * spread * Quad(f.right[axis]), sy * spread * Quad(f.up[axis]), s * Quad(f.forward[axis])};
-        const std::size_t at = (i * 2 + j) * 2 + k;
-        r.value[at] = rounded(parts[0] + parts[1] + parts[2] + parts[3]);
-        r.size[at] = std::fabs(r.value[at].hi);
+        r.values.set(static_cast<std::size_t>((i * 2 + j) * 2 + k), rounded(parts[0] + parts[1] + parts[2] + parts[3]));
       }
   return r;
 }
@@ -121,8 +157,7 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
     const Formula::Step& step = formula.steps()[i];
     Tensor& r = values[i];
     if (step.constant) {
-      r.value[0] = rounded(plan.constant(i).as<Quad>());
-      r.size[0] = std::fabs(r.value[0].hi);
+      r.values.set(0, rounded(plan.constant(i).as<Quad>()));
       r.depth = 1;
     } else if (step.axis >= 0) {
       r = coordinate(frustum, step.axis);
@@ -136,19 +171,24 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
     }
   }
   const Tensor& f = values.back();
-  const Tensor scale = one(f.degree);
+  const std::size_t n = f.side();
+  std::vector<double> binomial(n, 1);
+  for (std::size_t i = 1; i < n; ++i) binomial[i] = std::round(binomial[i - 1] * static_cast<double>(n - i) / static_cast<double>(i));
   Whole whole;
-  whole.hi.resize(f.value.size());
-  whole.lo.resize(f.value.size());
-  for (std::size_t at = 0; at < f.value.size(); ++at) {
-    // Two steps of a division: v / s to twice the digits.
-    const DoubleDouble &v = f.value[at], &s = scale.value[at];
-    const double q = v.hi / s.hi;
-    const DoubleDouble rest = v + DoubleDouble(-q) * s, quotient = quick_sum(q, rest.hi / s.hi);
-    whole.hi[at] = quotient.hi;
-    whole.lo[at] = quotient.lo;
-    whole.error = std::max(whole.error, f.size[at] / s.hi);
-    whole.largest = std::max(whole.largest, std::fabs(quotient.hi));
+  whole.hi.resize(n * n * n);
+  whole.lo.resize(n * n * n);
+  for (std::size_t line = 0, at = 0; line < n * n; ++line) {
+    const DoubleDouble scale = DoubleDouble(binomial[line / n]) * DoubleDouble(binomial[line % n]);
+    for (std::size_t k = 0; k < n; ++k, ++at) {
+      // Two steps of a division: v / s to twice the digits.
+      const DoubleDouble v = f.values.at(at), s = scale * DoubleDouble(binomial[k]);
+      const double q = v.hi / s.hi;
+      const DoubleDouble rest = v + DoubleDouble(-q) * s, quotient = quick_sum(q, rest.hi / s.hi);
+      whole.hi[at] = quotient.hi;
+      whole.lo[at] = quotient.lo;
+      whole.error = std::max(whole.error, f.values.size[at] / s.hi);
+      whole.largest = std::max(whole.largest, std::fabs(quotient.hi));
+    }
   }
   if (!std::isfinite(whole.error) || !std::isfinite(whole.largest) || !(whole.error < 1e290))
     throw MethodError("the coefficients of the polynomial over the view leave the range of doubles; scale the formula, or use method=\"contract\"");

@@ -76,7 +76,7 @@ class Cutter {
         size_(n_ * n_ * m_), grow_(degree + 2),
         slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {}
 
-  // `strip` is the form over column x: [across][down][depth].
+  // hi + lo is the form over column x: [across][down][depth].
   void run(int x, const double* hi, const double* lo, double error) {
     x_ = x;
     for (int k = 0; k < 2; ++k) sx_[k] = static_cast<double>(frustum_.left + (x + k) * frustum_.across);
@@ -292,34 +292,22 @@ Spare& spare() {
   return s;
 }
 
-// The form over each column of tiles.
-class Columns {
- public:
-  Columns(const Frustum& frustum, int degree, Whole whole) : frustum_(frustum), n_(static_cast<std::size_t>(degree) + 1) {
-    split(frustum.tile_x0, frustum.span_x(), std::move(whole));
-  }
-  std::size_t count() const { return strips_.size(); }
-  const Whole& form(std::size_t k) const { return strips_[k]; }
-
- private:
-  void split(int x, int span, Whole form) {
-    if (x >= frustum_.tile_x1) return;
-    if (span == 1) return strips_.push_back(std::move(form));
-    Whole second = form;
-    halve(form.hi.data(), form.lo.data(), second.hi.data(), second.lo.data(), {n_, n_ * n_, n_ * n_, 1, 0});
-    form.error = second.error = form.error + static_cast<double>(n_ + 1) * kDoubleDoubleUnit * form.largest;
-    split(x, span / 2, std::move(form));
-    split(x + span / 2, span / 2, std::move(second));
-  }
-
-  const Frustum& frustum_;
-  std::size_t n_;
-  std::vector<Whole> strips_;  // from left to right
-};
-
 }  // namespace
 
-Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& demand, const std::function<void*(std::size_t)>& room) {
+Columns::Columns(Whole whole, int degree, const Frustum& frustum) : degree_(degree) { split(frustum.tile_x0, frustum.span_x(), std::move(whole), frustum); }
+
+void Columns::split(int x, int span, Whole form, const Frustum& frustum) {
+  if (x >= frustum.tile_x1) return;
+  if (span == 1) return forms_.push_back(std::move(form));
+  const std::size_t n = static_cast<std::size_t>(degree_) + 1;
+  Whole second = form;
+  halve(form.hi.data(), form.lo.data(), second.hi.data(), second.lo.data(), {n, n * n, n * n, 1, 0});
+  form.error = second.error = form.error + static_cast<double>(n + 1) * kDoubleDoubleUnit * form.largest;
+  split(x, span / 2, std::move(form), frustum);
+  split(x + span / 2, span / 2, std::move(second), frustum);
+}
+
+Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, const std::function<void*(std::size_t)>& room) {
   const int columns = f.tile_x1 - f.tile_x0, rows = f.tile_y1 - f.tile_y0;
   Cells out;
   out.begins.assign(static_cast<std::size_t>(std::max(0, rows * columns)) + 1, 0);
@@ -327,17 +315,18 @@ Cells cells_of(const Whole& whole, int degree, const Frustum& f, const Demand& d
     room(0);
     return out;
   }
-  const Columns strips(f, degree, whole);
-  const Reduction reduction(degree, demand.depth);
+  const Reduction reduction(forms.degree(), demand.depth);
   const std::size_t workers = crew_size();
   std::vector<Found> found(workers);
   for (Found& part : found) part.coefficients = spare().take();
   std::atomic<std::size_t> next{0};
   by_crew([&](std::size_t worker) {
-    Cutter cutter(f, demand, degree, reduction, found[worker]);
-    for (std::size_t k; (k = next++) < strips.count();) {
-      const Whole& strip = strips.form(k);
-      cutter.run(f.tile_x0 + static_cast<int>(k), strip.hi.data(), strip.lo.data(), strip.error);
+    Cutter cutter(f, demand, forms.degree(), reduction, found[worker]);
+    // From the middle outward: the last columns hold little, so that workers end together.
+    for (std::size_t k; (k = next++) < forms.count();) {
+      const std::size_t middle = (forms.count() - 1) / 2, column = k % 2 ? middle + (k + 1) / 2 : middle - k / 2;
+      const Whole& form = forms.form(column);
+      cutter.run(f.tile_x0 + static_cast<int>(column), form.hi.data(), form.lo.data(), form.error);
     }
   });
   for (const Found& part : found)

@@ -48,6 +48,21 @@ struct Whole {
 // Throws MethodError where the coefficients leave the range of doubles.
 Whole compose(const PolynomialPlan& plan, const Frustum& frustum);
 
+// The form over each column of tiles, which every pass of a frame cuts into its own cells.
+class Columns {
+ public:
+  Columns(Whole whole, int degree, const Frustum& frustum);
+  std::size_t count() const { return forms_.size(); }
+  const Whole& form(std::size_t column) const { return forms_[column]; }  // from left to right
+  int degree() const { return degree_; }
+
+ private:
+  void split(int x, int span, Whole form, const Frustum& frustum);
+
+  int degree_;
+  std::vector<Whole> forms_;
+};
+
 // Cells in the order of their tiles, each tile's from front to back.
 struct Cells {
   struct Cell {
@@ -75,7 +90,7 @@ struct Demand {
   bool single() const { return unit > 0x1p-53; }
 };
 
-// The cells of f over the frustum, f being of `degree`. `room` is asked once for memory for so many coefficients; cells are [down][depth][across].
-Cells cells_of(const Whole& f, int degree, const Frustum& frustum, const Demand& demand, const std::function<void*(std::size_t)>& room);
+// The cells of f over the frustum. `room` is asked once for memory for so many coefficients; cells are [down][depth][across].
+Cells cells_of(const Columns& columns, const Frustum& frustum, const Demand& demand, const std::function<void*(std::size_t)>& room);
 
 }  // namespace irt::numerics

@@ -148,10 +148,10 @@ struct Forms {
 };
 
 // Of `tiles` only, where these are given (numerics::Demand).
-Forms forms_of(const numerics::Whole& whole, int degree, const Screen& screen, const kernel::Spec& spec, const Options& options, const std::vector<bool>* wanted) {
+Forms forms_of(const numerics::Columns& columns, const Screen& screen, const kernel::Spec& spec, const Options& options, const std::vector<bool>* wanted) {
   const bool single = spec.precision == Precision::Single;
   std::optional<Memory> form;
-  const numerics::Cells cells = numerics::cells_of(whole, degree, screen.frustum, {single ? 0x1p-24 : 0x1p-53, options.eps, spec.degree, reduces(degree, spec.precision), wanted}, [&](std::size_t count) {
+  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, {single ? 0x1p-24 : 0x1p-53, options.eps, spec.degree, reduces(columns.degree(), spec.precision), wanted}, [&](std::size_t count) {
     // Room for whole steps, so that the next frame can often have the same block.
     const std::size_t size = size_of(spec.precision), more = kMoreVectors * static_cast<std::size_t>(spec.width);
     form.emplace((count + more + kFormStep - 1) / kFormStep * kFormStep * size);
@@ -252,15 +252,16 @@ kernel::Spec cells_spec(const Options& options, const device::Device& device, Pr
 }
 
 // By the kernel of `precision`: one frame, or those packets of it that hold a pixel of `open` (row * pitch + column), one after another.
-Answer pass(const numerics::Whole& whole, int degree, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
+Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, const View& view, const Bounds& bounds, const Options& options,
             device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0, const std::vector<bool>* wanted = nullptr) {
   const auto start = std::chrono::steady_clock::now();
+  const int degree = columns_of_tiles.degree();
   const kernel::Spec spec = cells_spec(options, device, precision, depth_degree(degree, options, precision), screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, precision, options);
-  const Forms forms = forms_of(whole, degree, screen, spec, options, wanted);
+  const Forms forms = forms_of(columns_of_tiles, screen, spec, options, wanted);
   const Reals basis = basis_of(screen, degree, options, precision);
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
@@ -353,13 +354,13 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   const Formulas unclipped{formulas.f, {}, formulas.parameters};
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   std::optional<Screen> screen;
-  numerics::Whole whole;
+  std::optional<numerics::Columns> columns;
   int degree;
   try {
     const auto planned = planned_of(formulas.f, formulas.parameters);
     degree = planned->plan.degree();
     screen = screen_of(view, bounds, degree);
-    whole = numerics::compose(planned->plan, screen->frustum);
+    columns.emplace(numerics::compose(planned->plan, screen->frustum), degree, screen->frustum);
   } catch (const MethodError&) {
     if (!options.or_march) throw;
     Answer answer = camera_passes(program, unclipped, view, bounds, marching(options), device);
@@ -367,7 +368,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     return answer;
   }
   const double prepared = seconds_since(start);
-  Answer answer = pass(whole, degree, *screen, view, bounds, options, device, first);
+  Answer answer = pass(*columns, *screen, view, bounds, options, device, first);
   answer.prepare_seconds += prepared;
   if (options.precision == PrecisionMode::Single || !device.info().fp64 || !options.outward || answer.outcome != device::Outcome::done) return answer;
   std::vector<std::size_t> open = undecided(answer, options);
@@ -390,7 +391,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   if (first == Precision::Single && open.size() > kFewPixels) {
     const std::vector<std::size_t> packets = whole_packets(open, static_cast<std::size_t>(packet_width(device, Precision::Double)));
     const std::vector<bool> tiles = tiles_of(*screen, open, answer.pitch);
-    const Answer second = pass(whole, degree, *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch, &tiles);
+    const Answer second = pass(*columns, *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch, &tiles);
     std::vector<std::size_t> there;  // where each open pixel lies in the list
     for (const std::size_t i : open)
       there.push_back(static_cast<std::size_t>(std::lower_bound(packets.begin(), packets.end(), i) - packets.begin()));
