@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace irt::numerics {
 
@@ -28,6 +29,23 @@ Extent steps_of(const double* values, const Runs& runs);
 double slowest_change(const double* values, const Runs& runs);
 
 constexpr std::size_t kLanes = 4;
+
+// Room for doubles that begins where a line of the cache does: vectors that lie across two of them take longer.
+class Room {
+ public:
+  // For n of them; pointers that were handed out before hold where it need not grow.
+  double* of(std::size_t n) {
+    if (lines_.size() * kLine < n) lines_.resize((n + kLine - 1) / kLine);
+    return reinterpret_cast<double*>(lines_.data());
+  }
+
+ private:
+  static constexpr std::size_t kLine = 8;
+  struct alignas(kLine * sizeof(double)) Line {
+    double values[kLine];
+  };
+  std::vector<Line> lines_;
+};
 
 // `lines` lines of n values, m apart, times `scale`, one behind the other; writes up to kLanes values beyond the last.
 void pack(const double* from, std::size_t lines, std::size_t n, std::size_t m, double scale, float* to);

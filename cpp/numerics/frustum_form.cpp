@@ -99,8 +99,9 @@ class Cutter {
  private:
   // A buffer for each level of the recursion: [down][depth][across], lines across padded by repetition.
   Form at_level(int level) {
-    while (static_cast<int>(pool_.size()) <= level) pool_.emplace_back(2 * size_);
-    return {pool_[level].data(), pool_[level].data() + size_};
+    while (static_cast<int>(pool_.size()) <= level) pool_.emplace_back();
+    double* const hi = pool_[level].of(2 * size_);
+    return {hi, hi + size_};
   }
 
   Runs along_depth() const { return {n_, m_, m_, n_, n_ * m_}; }
@@ -263,7 +264,7 @@ class Cutter {
   int precise_ = 0;     // cuts that this column needs in sums of two doubles
   bool strict_ = true;  // whether cells have to be exact enough
   std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already (nothing behind it is seen), or that nobody asked for
-  std::vector<std::vector<double>> pool_;
+  std::vector<Room> pool_;
 };
 
 // Blocks of coefficients of earlier frames: fresh pages cost as much as cutting does.

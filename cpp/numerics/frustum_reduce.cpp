@@ -271,11 +271,7 @@ Reduction::Reduction(int degree, int depth)
 
 bool Reduction::run(const double* form, std::size_t padded, double largest, double tolerance, bool must, Reduced& out) const {
   const std::size_t n = n_, m = padded;
-  const auto room = [](std::vector<double>& v, std::size_t size) {
-    if (v.size() < size) v.resize(size);
-    return v.data();
-  };
-  double* const first = room(out.scratch, 2 * n * n * m);
+  double* const first = out.scratch.of(2 * n * n * m);
   double* const second = first + n * n * m;
   out.error = rounding_ * largest;
   const double* planes = form;
@@ -300,7 +296,8 @@ bool Reduction::run(const double* form, std::size_t padded, double largest, doub
   }
   // Across: lines by the transposed matrix.
   const std::size_t lines = out.down * depth_, plane = depth_ * lines_;
-  double* const values = room(out.values, n * n * lines_ + kLanes);
+  if (out.values.size() < n * n * lines_ + kLanes) out.values.resize(n * n * lines_ + kLanes);
+  double* const values = out.values.data();
   multiply(second, across_.data(), values, {lines, n, lines_, m, lines_, lines_});
   // |T| <= 1: what is lost is at most the sum over `down` of the largest along the depth.
   double *const sizes = first, *const here = sizes + lines_;

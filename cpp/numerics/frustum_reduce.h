@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "numerics/frustum_cuts.h"
+
 namespace irt::numerics {
 
 class Reduction {
@@ -21,7 +23,7 @@ class Reduction {
     double error;              // what is lost, rounding included
     double weight;             // bounds sum |c| over a plane of equal depth
     std::vector<double> values;  // [down][depth][across], lines padded() apart
-    std::vector<double> scratch;
+    Room scratch;
   };
 
   // `form`: [down][depth][across], lines across `padded` apart, none larger than `largest`. Loses up to `tolerance` in each direction;
