@@ -51,7 +51,9 @@ std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const
       return std::nullopt;
     }
   }
-  return std::pair(exponents, rest.size() == 1 ? rest[0] : mul(rest));
+  // Factors of a product that is canonical are one in the same order.
+  const Expr factor = rest.empty() ? Expr(1L) : rest.size() == 1 ? rest[0] : Store::make(Op::Mul, std::move(rest));
+  return std::pair(exponents, factor);
 }
 
 using Monomials = std::vector<std::pair<std::array<int, 3>, Expr>>;
