@@ -58,7 +58,7 @@ static inline F value_at(const F* c, int degree, F u) {
   F sum = c[0], power = (F)1;
   EACH for (int i = 1; i <= degree; ++i) {
     power *= u;
-    sum = fma(sum, v, BINOMIAL(degree, i) * power * c[i]);
+    sum = fma(sum, v, power * (BINOMIAL(degree, i) * c[i]));
   }
   return sum;
 }

@@ -14,7 +14,9 @@
 #define ANY(m) any_lane(m)
 #endif
 
-#if W > 1
+#if W > 1 && __has_builtin(__builtin_reduce_or)
+#define any_lane(m) (__builtin_reduce_or(m) != 0)
+#elif W > 1
 // Of masks. Quarters and halves are joined; PoCL makes forty instructions and eight branches of `any`.
 static inline int any_lane(I m) {
 #if W == 16
