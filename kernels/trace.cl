@@ -11,6 +11,8 @@ __attribute__((noinline)) void trace_packet(const size_t column, const size_t ro
   write_results(&ray, &root, row * pitch + column * W, q, RESULTS_PASS PARAMETERS_PASS);
 }
 
-__kernel __attribute__((vec_type_hint(F))) void trace(TRACE_DECL, const int first_column, const int first_row) {
-  trace_packet(first_column + get_global_id(0), first_row + get_global_id(1), TRACE_PASS);
+// One work-item has `packets` of a row: drivers for CPUs spend as much on a work-item as a packet that misses takes.
+__kernel __attribute__((vec_type_hint(F))) void trace(TRACE_DECL, const int packets, const int first_column, const int first_row) {
+  const size_t first = (first_column + get_global_id(0)) * packets, end = min(first + packets, (size_t)(pitch / W));
+  for (size_t column = first; column < end; ++column) trace_packet(column, first_row + get_global_id(1), TRACE_PASS);
 }

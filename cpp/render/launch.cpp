@@ -22,6 +22,8 @@ namespace {
 
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kSettings = 25;
+// Packets of a work-item, and how many items a frame has at least while it has more than one packet in each.
+constexpr std::size_t kMostPackets = 8, kLeastItems = 256;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -292,6 +294,10 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
     args.emplace_back(static_cast<std::int32_t>(answer.rows - 1));
     across = (answer.pitch + tiling.across() - 1) / tiling.across();
     down = (answer.rows + tiling.down() - 1) / tiling.down();
+  } else if (finds) {
+    const std::size_t packets = spec.width == 1 ? 1 : std::clamp<std::size_t>(across * down / kLeastItems, 1, kMostPackets);
+    args.emplace_back(static_cast<std::int32_t>(packets));
+    across = (across + packets - 1) / packets;
   }
   device::Timing timing;
   answer.outcome = device.run(*kernel, args, across, down, options.control, &timing);
