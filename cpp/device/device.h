@@ -33,8 +33,6 @@ class Kernel {
 class Buffer {
  public:
   virtual ~Buffer() = default;
-  // Makes what the kernels wrote visible in the host array. No cost where memory is shared.
-  virtual void read() = 0;
 };
 
 enum class Access { read, write, read_write };
@@ -71,6 +69,8 @@ class Device : public std::enable_shared_from_this<Device> {
   virtual std::uint64_t builds() const = 0;
   // `host` must outlive the buffer. Alignment of 64 lets CPU drivers use it in place.
   virtual std::unique_ptr<Buffer> buffer(void* host, std::size_t bytes, Access access) = 0;
+  // Makes what the kernels wrote visible in the host arrays. All at once: drivers spend more on waiting for a command than on the command.
+  virtual void read(const std::vector<const Buffer*>& buffers) = 0;
   // Runs the kernel over columns x rows work-items in bands, each short enough that cancellation answers at once. The
   // kernel's last two arguments, not among `args`, are ints: the column and row at which the band begins (global
   // offsets would make drivers compile once more). Blocks; does not need the GIL.

@@ -41,19 +41,9 @@ class ClKernel : public Kernel {
 
 class ClBuffer : public Buffer {
  public:
-  ClBuffer(Memory object, cl_command_queue queue, std::size_t bytes) : memory(std::move(object)), queue_(queue), bytes_(bytes) {}
-  void read() override {
-    cl_int code;
-    void* p = table(queue_).clEnqueueMapBuffer(queue_, memory.get(), CL_TRUE, CL_MAP_READ, 0, bytes_, 0, nullptr, nullptr, &code);
-    check(code, "clEnqueueMapBuffer");
-    check(table(queue_).clEnqueueUnmapMemObject(queue_, memory.get(), p, 0, nullptr, nullptr), "clEnqueueUnmapMemObject");
-    check(table(queue_).clFinish(queue_), "clFinish");
-  }
+  ClBuffer(Memory object, std::size_t size) : memory(std::move(object)), bytes(size) {}
   Memory memory;
-
- private:
-  cl_command_queue queue_;
-  std::size_t bytes_;
+  std::size_t bytes;
 };
 
 std::string numbered(const std::string& source) {
@@ -148,7 +138,19 @@ class ClDevice : public Device {
     cl_int code;
     cl_mem object = table(context_).clCreateBuffer(context_, flags | CL_MEM_USE_HOST_PTR, bytes, host, &code);
     check(code, "clCreateBuffer");
-    return std::make_unique<ClBuffer>(Memory(object), queue_.get(), bytes);
+    return std::make_unique<ClBuffer>(Memory(object), bytes);
+  }
+
+  void read(const std::vector<const Buffer*>& buffers) override {
+    check_process();
+    for (const Buffer* base : buffers) {
+      const auto& buffer = static_cast<const ClBuffer&>(*base);
+      cl_int code;
+      void* p = table(queue_.get()).clEnqueueMapBuffer(queue_.get(), buffer.memory.get(), CL_FALSE, CL_MAP_READ, 0, buffer.bytes, 0, nullptr, nullptr, &code);
+      check(code, "clEnqueueMapBuffer");
+      check(table(queue_.get()).clEnqueueUnmapMemObject(queue_.get(), buffer.memory.get(), p, 0, nullptr, nullptr), "clEnqueueUnmapMemObject");
+    }
+    check(table(queue_.get()).clFinish(queue_.get()), "clFinish");
   }
 
   Outcome run(Kernel& base, std::span<const Arg> args, std::size_t columns, std::size_t rows, const Control& control,

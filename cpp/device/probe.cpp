@@ -69,8 +69,7 @@ std::string run(Device& device, int width) {
              byte_buffer = device.buffer(bytes.get(), n, Access::write);
   const Arg args[] = {in_buffer.get(), out_buffer.get(), static_cast<std::int32_t>(n), byte_buffer.get()};
   device.run(*kernel, args, kPackets, 1, {});
-  out_buffer->read();
-  byte_buffer->read();
+  device.read({out_buffer.get(), byte_buffer.get()});
   const double tolerance = wide ? 1e-13 : 1e-5;
   for (std::size_t i = 0; i < n; ++i) {
     const double v = static_cast<double>(x[i]);

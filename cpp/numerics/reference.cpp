@@ -8,13 +8,12 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "error.h"
+#include "numerics/crew.h"
 #include "numerics/recent.h"
 
 namespace irt::numerics {
@@ -29,6 +28,9 @@ constexpr mpfr_prec_t kPrecisions[] = {160, 640};
 // are), that a ray takes a few milliseconds at most. Counted in operations, not in time: answers do not depend on how busy the machine is.
 constexpr std::size_t kQuickWork = 400'000;
 constexpr int kQuickPiecesInMpfr = 20;
+// How often the caller is asked whether to stop, and how many rays a thread takes at a time: it stops between rays.
+constexpr std::chrono::milliseconds kAskEvery{30};
+constexpr std::size_t kMostAtATime = 4;
 // Formulas of so many steps are forgotten at once: some megabytes each.
 constexpr std::size_t kKeptSteps = 1 << 14;
 
@@ -269,14 +271,19 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> stopped{false};
   std::mutex mutex;
-  std::condition_variable finished;
   std::exception_ptr failure;
-  unsigned running = 0;
+  // Asked by the caller's thread alone, which Python knows.
+  auto asked = std::chrono::steady_clock::now();
+  const auto ask = [&] {
+    const auto now = std::chrono::steady_clock::now();
+    if (!query.stop || now - asked < kAskEvery) return;
+    asked = now;
+    if (query.stop(static_cast<double>(done) / static_cast<double>(rays.size()))) stopped = true;
+  };
 
   // Few rays are shared out too.
-  const unsigned workers = std::clamp<unsigned>(std::min<std::size_t>(std::thread::hardware_concurrency(), rays.size()), 1, 64);
-  const std::size_t chunk = std::clamp<std::size_t>(rays.size() / (4 * workers), 1, 16);
-  const auto work = [&] {
+  const std::size_t chunk = std::clamp<std::size_t>(rays.size() / (4 * crew_size()), 1, kMostAtATime);
+  const auto work = [&](std::size_t worker) {
     try {
       Subdivision subdivision(formula, query.quick);
       std::optional<Region> region;
@@ -293,6 +300,7 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
             roots[i] = region ? region->first_root(rays[i], *clip, search) : search(*clip);
           }
           ++done;
+          if (worker == 0) ask();
         }
       }
     } catch (...) {
@@ -301,23 +309,8 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
       stopped = true;
     }
     mpfr_free_cache();
-    const std::lock_guard lock(mutex);
-    --running;
-    finished.notify_all();
   };
-
-  std::vector<std::jthread> threads;
-  running = workers;
-  for (unsigned k = running; k > 0; --k) threads.emplace_back(work);
-  {
-    std::unique_lock lock(mutex);
-    while (!finished.wait_for(lock, std::chrono::milliseconds(30), [&] { return running == 0; })) {
-      lock.unlock();
-      if (!stopped && query.stop && query.stop(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(rays.size(), 1)))) stopped = true;
-      lock.lock();
-    }
-  }
-  threads.clear();
+  by_crew(work);
   if (failure) std::rethrow_exception(failure);
   return roots;
 }

@@ -52,8 +52,7 @@ std::vector<std::array<double, 2>> enclose_pieces(const program::Program& progra
   const auto p = parameters.buffer(device);
   if (program.inputs()) args.emplace_back(p.get());
   device.run(*kernel, args, stride / spec.width, 1, options.control, nullptr);
-  lo->read();
-  hi->read();
+  device.read({lo.get(), hi.get()});
   for (std::size_t i = 0; i < pieces.size(); ++i) result[i] = {lower.get(i), upper.get(i)};
   return result;
 }

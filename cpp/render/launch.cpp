@@ -263,13 +263,12 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   answer.build_seconds += seconds_since(start);
 
   std::vector<std::unique_ptr<device::Buffer>> buffers;
-  std::vector<std::pair<const Memory*, device::Buffer*>> outputs;
+  std::vector<const device::Buffer*> outputs;
   const auto keep = [&](std::unique_ptr<device::Buffer> b) -> const device::Buffer* {
     buffers.push_back(std::move(b));
     return buffers.back().get();
   };
-  const auto output = [&](const Memory& m) { return keep(device.buffer(m.data(), m.bytes(), device::Access::write)); };
-  const std::size_t first_output = 1;
+  const auto output = [&](const Memory& m) { return outputs.emplace_back(keep(device.buffer(m.data(), m.bytes(), device::Access::write))); };
   args.emplace_back(keep(settings.buffer(device)));
   args.emplace_back(static_cast<std::int32_t>(answer.pitch));
   const bool finds = spec.entry != kernel::Entry::Neighbours;  // or only shades
@@ -286,7 +285,6 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   if (finds && options.pieces) args.emplace_back(output(*answer.pieces));
   if (finds)
     for (const auto* m : {&answer.depth, &answer.uncertainty, &answer.status}) args.emplace_back(output(**m));
-  const std::size_t last_output = buffers.size();
   args.insert(args.end(), more.begin(), more.end());
   std::size_t across = answer.pitch / spec.width, down = answer.rows;
   if (spec.beams) {
@@ -303,7 +301,7 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   answer.outcome = device.run(*kernel, args, across, down, options.control, &timing);
   answer.launch_seconds += timing.launch;
   answer.kernel_seconds += timing.kernel;
-  for (std::size_t i = first_output; i < last_output; ++i) buffers[i]->read();
+  device.read(outputs);
 }
 
 void tally(Answer& answer, const Options& options) {
