@@ -16,6 +16,7 @@
 
 #include "caps.h"
 #include "error.h"
+#include "numerics/widest.h"
 
 namespace irt::render {
 namespace {
@@ -304,56 +305,64 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   device.read(outputs);
 }
 
-void tally(Answer& answer, const Options& options) {
-  const auto of = [&](auto* uncertainty) {
-    using Real = std::remove_pointer_t<decltype(uncertainty)>;
-    const Real widest = static_cast<Real>(0.5 * options.eps);
-    for (std::size_t row = 0; row < answer.rows; ++row) {
+namespace {
+
+// How many of n pixels have each status, and how many brackets have the half asked for or less.
+struct Counted {
+  std::uint32_t hits = 0, touches = 0, open = 0, narrow = 0;
+};
+
+// Sums of comparisons, which compilers turn into vector code.
+template <class Real>
+[[gnu::always_inline]] inline Counted count(const unsigned char* status, const Real* half, std::size_t n, Real most) {
+  Counted c;
+  for (std::size_t i = 0; i < n; ++i) {
+    c.hits += status[i] == 1;
+    c.touches += status[i] == 2;
+    c.open += status[i] == 3;
+    c.narrow += static_cast<std::uint32_t>(status[i] == 1) & static_cast<std::uint32_t>(half[i] <= most);
+  }
+  return c;
+}
+IRT_WIDEST Counted counted(const unsigned char* status, const float* half, std::size_t n, float most) { return count(status, half, n, most); }
+IRT_WIDEST Counted counted(const unsigned char* status, const double* half, std::size_t n, double most) { return count(status, half, n, most); }
+
+// look(row, what is counted there, statuses, halves of brackets, the half asked for) for each row. With fast rounding no bracket has a width.
+void each_row(const Answer& answer, const Options& options, const auto& look) {
+  const auto rows = [&](const auto* half, auto most) {
+    for (std::size_t row = 0; row < answer.rows; ++row, half += answer.pitch) {
       const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
-      const Real* half = uncertainty + row * answer.pitch;
-      // Sums of comparisons, row by row, which compilers turn into vector code.
-      std::uint32_t hits = 0, touches = 0, open = 0, wide = 0;
-      for (std::size_t i = 0; i < answer.columns; ++i) {
-        hits += status[i] == 1;
-        touches += status[i] == 2;
-        open += status[i] == 3;
-        wide += static_cast<std::uint32_t>(status[i] == 1) & static_cast<std::uint32_t>(half[i] > widest);
-      }
-      answer.counts[0] += answer.columns - hits - touches - open;
-      answer.counts[1] += hits;
-      answer.counts[2] += touches;
-      answer.counts[3] += open;
-      answer.wide_hits += wide;
+      Counted c = counted(status, half, answer.columns, most);
+      if (!options.outward) c.narrow = c.hits;
+      look(row, c, status, half, most);
     }
   };
   if (answer.wide) {
-    of(answer.uncertainty->as<double>());
+    rows(answer.uncertainty->as<double>(), 0.5 * options.eps);
   } else {
-    of(answer.uncertainty->as<float>());
+    rows(answer.uncertainty->as<float>(), float_below(0.5 * options.eps));
   }
+}
+
+}  // namespace
+
+void tally(Answer& answer, const Options& options) {
+  each_row(answer, options, [&](std::size_t, const Counted& c, auto...) {
+    answer.counts[0] += answer.columns - c.hits - c.touches - c.open;
+    answer.counts[1] += c.hits;
+    answer.counts[2] += c.touches;
+    answer.counts[3] += c.open;
+    answer.wide_hits += c.hits - c.narrow;
+  });
 }
 
 std::vector<std::size_t> undecided(const Answer& answer, const Options& options) {
   std::vector<std::size_t> open;
-  const auto of = [&](const auto* uncertainty) {
-    const auto is_open = [&](unsigned char status, auto half) {
-      return static_cast<unsigned>(status >= 2) | (static_cast<unsigned>(status == 1) & static_cast<unsigned>(options.outward) & static_cast<unsigned>(!(2 * half <= options.eps)));
-    };
-    for (std::size_t row = 0; row < answer.rows; ++row) {
-      const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
-      const auto* half = uncertainty + row * answer.pitch;
-      // Most rows have none, which vector code tells.
-      unsigned some = 0;
-      for (std::size_t i = 0; i < answer.columns; ++i) some |= is_open(status[i], half[i]);
-      for (std::size_t i = 0; some && i < answer.columns; ++i)
-        if (is_open(status[i], half[i])) open.push_back(row * answer.pitch + i);
-    }
-  };
-  if (answer.wide) {
-    of(answer.uncertainty->as<double>());
-  } else {
-    of(answer.uncertainty->as<float>());
-  }
+  each_row(answer, options, [&](std::size_t row, const Counted& c, const unsigned char* status, const auto* half, auto most) {
+    if (c.touches + c.open + c.hits - c.narrow == 0) return;  // as in most rows
+    for (std::size_t i = 0; i < answer.columns; ++i)
+      if (status[i] >= 2 || (status[i] == 1 && options.outward && !(half[i] <= most))) open.push_back(row * answer.pitch + i);
+  });
   return open;
 }
 
