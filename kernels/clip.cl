@@ -1,19 +1,21 @@
 // The part of a ray inside the bounds: a box, IRT_SPHERES balls and IRT_HALF_SPACES half-spaces. Every comparison is made twice, so that rounding can
 // neither hide a root just inside the bounds nor show one just outside.
 
+// How much of a ray goes with a coordinate, and with its error, whose derivative is d. A coordinate that stays within its error is taken for very fast, so that
+// its planes are passed far from here or not at all; it has that error twice.
+static inline F pace_of(F d, I parallel) { return SELECT(parallel, (F)MODEST, R(1.0) / d); }
+static inline F pace_of_error(F pace, I parallel) { return SELECT(parallel, (F)(R(2.0) * MODEST), fabs(pace)); }
+
 // Between the planes lo and hi of one axis; e bounds the error of a coordinate anywhere on the ray.
 static inline void clip_axis(RANGE* range, F p, F d, F e, F lo, F hi, F radius) {
   const I parallel = LE(fabs(d) * radius, e);
-  const F inverse = R(1.0) / SELECT(parallel, (F)1, d);
-  const F a = (lo - p) * inverse, b = (hi - p) * inverse;
+  const F pace = pace_of(d, parallel), a = (lo - p) * pace, b = (hi - p) * pace;
   const F enter = min(a, b), leave = max(a, b);
-  const F pad = (e + ULP * (fabs(lo) + fabs(hi))) * fabs(inverse) + R(8.0) * ULP * (fabs(enter) + fabs(leave));
-  const F reach = e + e + R(2.0) * ULP * (fabs(lo) + fabs(hi));
-  const I maybe = LE(lo, p + reach) & GE(hi, p - reach), surely = LE(lo, p - reach) & GE(hi, p + reach);
-  range->out0 = max(range->out0, SELECT(parallel, SELECT(maybe, -INF, INF), enter - pad));
-  range->out1 = min(range->out1, SELECT(parallel, SELECT(maybe, INF, -INF), leave + pad));
-  range->in0 = max(range->in0, SELECT(parallel, SELECT(surely, -INF, INF), enter + pad));
-  range->in1 = min(range->in1, SELECT(parallel, SELECT(surely, INF, -INF), leave - pad));
+  const F pad = fma(e + ULP * (fabs(lo) + fabs(hi)), pace_of_error(pace, parallel), fma((F)(R(8.0) * ULP), fabs(a) + fabs(b), SELECT(parallel, radius + radius, (F)0)));
+  range->out0 = max(range->out0, enter - pad);
+  range->out1 = min(range->out1, leave + pad);
+  range->in0 = max(range->in0, enter + pad);
+  range->in1 = min(range->in1, leave - pad);
 }
 
 #if IRT_SPHERES
@@ -29,7 +31,7 @@ static inline void clip_sphere(RANGE* range, const RAY* ray, F cx, F cy, F cz, F
   const F outer = radius + slack, inner = max(radius - slack, (F)0);
   const F error = R(20.0) * ULP * fma(b, b, a * (square + outer * outer));
   const F open = fma(b, b, -a * (square - outer * outer)) + error, sure = fma(b, b, -a * (square - inner * inner)) - error;
-  const F middle = -b / a, wide = sqrt(max(open, (F)0)) / a, narrow = sqrt(max(sure, (F)0)) / a;
+  const F inverse = R(1.0) / a, middle = -b * inverse, wide = sqrt(max(open, (F)0)) * inverse, narrow = sqrt(max(sure, (F)0)) * inverse;
   const I maybe = GE(open, (F)0), surely = GT(sure, (F)0);
   range->out0 = max(range->out0, SELECT(maybe, middle - wide, INF));
   range->out1 = min(range->out1, SELECT(maybe, middle + wide, -INF));
@@ -44,14 +46,12 @@ static inline void clip_sphere(RANGE* range, const RAY* ray, F cx, F cy, F cz, F
 static inline void clip_half_space(RANGE* range, const RAY* ray, F nx, F ny, F nz, F offset, F radius) {
   const F p = fma(nx, ray->px, fma(ny, ray->py, nz * ray->pz)), d = fma(nx, ray->dx, fma(ny, ray->dy, nz * ray->dz));
   const F e = R(2.5) * fma(fabs(nx), ray->ex, fma(fabs(ny), ray->ey, fabs(nz) * ray->ez));
-  const I parallel = LE(fabs(d) * radius, e), leaving = GT(d, (F)0);
-  const F inverse = R(1.0) / SELECT(parallel, (F)1, d), at = (offset - p) * inverse;
-  const F pad = e * fabs(inverse), reach = e + e;
-  const I maybe = LE(p, offset + reach), surely = LE(p, offset - reach);
-  range->out0 = max(range->out0, SELECT(parallel, SELECT(maybe, -INF, INF), SELECT(leaving, -INF, at - pad)));
-  range->out1 = min(range->out1, SELECT(parallel, SELECT(maybe, INF, -INF), SELECT(leaving, at + pad, INF)));
-  range->in0 = max(range->in0, SELECT(parallel, SELECT(surely, -INF, INF), SELECT(leaving, -INF, at + pad)));
-  range->in1 = min(range->in1, SELECT(parallel, SELECT(surely, INF, -INF), SELECT(leaving, at - pad, INF)));
+  const I parallel = LE(fabs(d) * radius, e), leaving = GT(d, (F)0) | parallel;
+  const F pace = pace_of(d, parallel), at = (offset - p) * pace, pad = fma(e, pace_of_error(pace, parallel), SELECT(parallel, radius + radius, (F)0));
+  range->out0 = max(range->out0, SELECT(leaving, -INF, at - pad));
+  range->out1 = min(range->out1, SELECT(leaving, at + pad, INF));
+  range->in0 = max(range->in0, SELECT(leaving, -INF, at + pad));
+  range->in1 = min(range->in1, SELECT(leaving, at - pad, INF));
 }
 #endif
 

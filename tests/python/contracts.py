@@ -25,7 +25,7 @@ FLAGS = ("-std=c++20", "-O1", "-ffp-contract=off", "-w")
 # What pads: a constant times ULP, ULP itself, POSITION_PAD, and these, which pad without ULP: errors that count more than once, units that
 # rounding may be off.
 FACTORS = {
-    "clip.cl": ("R(2.5) * fma(",),
+    "clip.cl": ("R(2.0) * MODEST", "R(2.5) * fma("),
     "contract.cl": ("SLACK R(0.5)", "inverse - R(4.0)"),
     "enclosure_affine.cl": ("R(2.5) * e",),
     "enclosure_interval.cl": ("R(2.5) * e",),
@@ -180,6 +180,7 @@ def _run(command: Iterable[str]) -> None:
 CONTRACTS = {
     ("beams.cl", "SPREAD"): ("beam_bounds",),
     ("beams.cl", "trace_tile"): ("beam_bounds",),
+    ("clip.cl", "pace_of_error"): ("clip_axis", "clip_half_space"),
     ("contract.cl", "SLACK"): ("contract",),
     ("contract.cl", "find_root"): ("head", "halt"),
     ("enclosure_interval.cl", "direction"): ("interval_direction",),
