@@ -5,8 +5,10 @@
 #define UNROLL(n) __attribute__((opencl_unroll_hint(n)))
 #if IRT_DEGREE <= 12
 #define EACH UNROLL(N)
+#define ROUNDS UNROLL(4)
 #else
 #define EACH
+#define ROUNDS
 #endif
 #define NEARBY R(0.0625)  // of a cell: how far roots are likely to move from frame to frame
 #define HALF_AND_A_LITTLE R(0.515625)  // of a piece, where it is halved: a cut in a root would leave its sign unknown on both sides
@@ -63,14 +65,28 @@ static inline F value_at(const F* c, int degree, F u) {
   return sum;
 }
 
-static inline I one_sign(const F* c, F error) {
-  F low = c[0], high = c[0];
-  EACH for (int k = 1; k < N; ++k) {
-    low = min(low, c[k]);
-    high = max(high, c[k]);
-  }
-  return GT(low, error) | LT(high, -error);
+// The lowest and the highest coefficient, in few rounds.
+typedef struct {
+  F low, high;
+} EXTENT;
+
+static inline EXTENT extent_of(const F* c) {
+  F low[N], high[N];
+  EACH for (int k = 0; k < N; ++k) low[k] = high[k] = c[k];
+  ROUNDS for (int apart = 1; apart < N; apart *= 2)
+    EACH for (int k = 0; k + apart < N; k += 2 * apart) {
+      low[k] = min(low[k], low[k + apart]);
+      high[k] = max(high[k], high[k + apart]);
+    }
+  EXTENT e;
+  e.low = low[0];
+  e.high = high[0];
+  return e;
 }
+
+static inline I apart_from_zero(EXTENT e, F error) { return GT(e.low, error) | LT(e.high, -error); }
+static inline F size_of(EXTENT e) { return max(e.high, -e.low); }
+static inline I one_sign(const F* c, F error) { return apart_from_zero(extent_of(c), error); }
 
 // c over [lo, hi] of its range.
 static inline void restrict_to(F* c, F lo, F hi) {
@@ -132,22 +148,16 @@ static inline I go_on(const CELL* cell, F x, const F* front, F* rest, F next_err
 
 // Exactly one root and simple: signs change once, whatever the one coefficient is that may not be told from zero.
 static inline I one_root(const F* c, F error, F sign) {
-  I other = NONE, doubtful = NONE, bad = LE(sign * c[0], error);
+  I bad = ~GT(sign * c[0], error), turned = NONE;  // a coefficient that is not surely of the first one's sign has come
   EACH for (int k = 1; k < N; ++k) {
     const F v = sign * c[k];
-    const I is_other = LT(v, -error), is_same = GT(v, error);
-    bad |= ~is_other & (other | doubtful);
-    doubtful |= ~(is_other | is_same);
-    other |= is_other;
+    bad |= turned & ~LT(v, -error);
+    turned |= ~GT(v, error);
   }
-  return other & ~bad;
+  return LT(sign * c[IRT_DEGREE], -error) & ~bad;
 }
 
-static inline F largest_of(const F* c) {
-  F size = fabs(c[0]);
-  EACH for (int k = 1; k < N; ++k) size = max(size, fabs(c[k]));
-  return size;
-}
+static inline F largest_of(const F* c) { return size_of(extent_of(c)); }
 
 // Half of what a bracket may have, in s; no shorter than the precision tells apart.
 #define REACH(ray) (max((F)(R(0.45) * EPS), (F)(R(8.0) * ULP * RADIUS)) / NARROW((ray)->length))
