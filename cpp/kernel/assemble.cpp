@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <regex>
 #include <string_view>
 #include <vector>
 
@@ -106,11 +105,27 @@ constexpr const char* kArithmetic[] = {"interval.cl", "interval_divide.cl", "int
 
 std::string included(const std::string& name) { return fmt::format("\n// ---- {}\n", name) + library_file(name); }
 
+// Whether a definition that pads has this name: one of these, alone or before an underscore.
+bool pads(std::string_view name) {
+  static constexpr std::string_view kNames[] = {"IA", "RA", "ia", "ra", "irt", "FORM", "LOWER", "UPPER"};
+  const std::string_view first = name.substr(0, name.find('_'));
+  return std::find(std::begin(kNames), std::end(kNames), first) != std::end(kNames) && name.size() != first.size() + 1;
+}
+
 // The same definitions once more without pads, under names that begin with bare_.
-std::string without_pads(const std::string& text) {
-  static const std::regex names(R"(\b(IA|RA|ia|ra|irt|FORM|LOWER|UPPER)(_\w+)?\b)");
-  return "\n// ---- the same without pads\n#undef IRT_OUTWARD\n#define IRT_OUTWARD 0\n#define bare_LOWER(v, k) (v)\n#define bare_UPPER(v, k) (v)\n" +
-         std::regex_replace(text, names, "bare_$&") + "#undef IRT_OUTWARD\n#define IRT_OUTWARD 1\n";
+std::string without_pads(std::string_view text) {
+  std::string out = "\n// ---- the same without pads\n#undef IRT_OUTWARD\n#define IRT_OUTWARD 0\n#define bare_LOWER(v, k) (v)\n#define bare_UPPER(v, k) (v)\n";
+  const auto in_name = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t end = at;
+    while (end < text.size() && in_name(text[end])) ++end;
+    const std::string_view name = text.substr(at, end - at);
+    if (pads(name)) out += "bare_";
+    out += name;
+    at = end;
+    while (at < text.size() && !in_name(text[at])) out += text[at++];
+  }
+  return out + "#undef IRT_OUTWARD\n#define IRT_OUTWARD 1\n";
 }
 
 // The formula as an enclosure, with the arithmetic that it needs; and its derivative along the ray.
