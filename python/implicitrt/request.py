@@ -16,13 +16,13 @@ from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
-from implicitrt.methods import ENTRIES, Entry, checked_steps, degree_of, resolve
+from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 
 # Where eps is below so many times what single precision resolves, frames by these root finders take two passes: single precision proves brackets
 # of BRACKETS times that, which it does quickly, and double narrows them down to eps (docs/performance.md). Below FINEST times that double cannot
 # reach eps either, and would look twice.
 BLUNT, BRACKETS, FINEST = 30.0, 300.0, 2.0**-22
-SHARPENED = {"bisection", "contract", "mitchell"}  # contraction of polynomials marches in double as quickly as it takes two passes
+SHARPENED = {"bisection", "contract", "mitchell"}
 # Everything else begins in double where eps is below so many times what single precision resolves, or what it blurs zeros of the formula by is so
 # many times eps: it would leave nearly all of it open (docs/speed-accuracy.md, docs/architecture.md).
 HOPELESS = 3.0
@@ -59,8 +59,7 @@ def finder_request(
         if opened.fp64 and entry.marches:
             shifted = expr if isovalue is None else expr - finite(isovalue, "isovalue")
             blur = _blur(shifted, bounds.lower, bounds.upper, tuple(values.items()))
-        marched = entry.finder == "contract" and degree_of(expr) is not None
-        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED and not marched
+        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED
         if sharpened and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
             first_eps = BRACKETS * resolved
         elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
