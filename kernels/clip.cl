@@ -61,9 +61,11 @@ static inline RANGE clip_ray(const RAY* ray, __global const real* q) {
   range.out1 = ray->far_out;
   range.in0 = ray->near_in;
   range.in1 = ray->far_in;
-  clip_axis(&range, ray->px, ray->dx, ray->ex, (F)BOX_LO(0), (F)BOX_HI(0), (F)RADIUS);
-  clip_axis(&range, ray->py, ray->dy, ray->ey, (F)BOX_LO(1), (F)BOX_HI(1), (F)RADIUS);
-  clip_axis(&range, ray->pz, ray->dz, ray->ez, (F)BOX_LO(2), (F)BOX_HI(2), (F)RADIUS);
+  if (BOXED != 0) {
+    clip_axis(&range, ray->px, ray->dx, ray->ex, (F)BOX_LO(0), (F)BOX_HI(0), (F)RADIUS);
+    clip_axis(&range, ray->py, ray->dy, ray->ey, (F)BOX_LO(1), (F)BOX_HI(1), (F)RADIUS);
+    clip_axis(&range, ray->pz, ray->dz, ray->ez, (F)BOX_LO(2), (F)BOX_HI(2), (F)RADIUS);
+  }
 #if IRT_SPHERES
   for (int i = 0; i < IRT_SPHERES; ++i)
     clip_sphere(&range, ray, (F)SPHERE(i, 0), (F)SPHERE(i, 1), (F)SPHERE(i, 2), (F)SPHERE(i, 3));

@@ -12,8 +12,9 @@
 #define LIGHT(axis) q[20 + (axis)]
 #define LIGHT_POWER q[23]
 #define STEPS q[24]  // of root finders that sample
-#define SPHERE(i, k) q[25 + 4 * (i) + (k)]  // centre and radius
-#define HALF_SPACE(i, k) q[25 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
+#define BOXED q[25]  // whether the box may cut what the other bounds and the picture leave; 0: no
+#define SPHERE(i, k) q[26 + 4 * (i) + (k)]  // centre and radius
+#define HALF_SPACE(i, k) q[26 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
 
 #define MISS ((I)0)
 #define HIT ((I)1)

@@ -154,17 +154,12 @@ class Cutter {
     return frustum_.near + share * (frustum_.far - frustum_.near);
   }
 
-  glm::dvec3 corner(double sx, double sy, double s) const {
-    const double spread = frustum_.perspective ? frustum_.distance + s : 1;
-    return frustum_.middle + sx * spread * frustum_.right + sy * spread * frustum_.up + s * frustum_.forward;
-  }
-
   // 1 outside the bounds, -1 inside, 0 where that depends.
   int place(const Block& b) const {
     glm::dvec3 corners[8], low(HUGE_VAL), high(-HUGE_VAL);
     const double sy[] = {static_cast<double>(frustum_.top + b.y0 * frustum_.down), static_cast<double>(frustum_.top + b.y1 * frustum_.down)};
     for (int k = 0; k < 8; ++k) {
-      corners[k] = corner(sx_[k & 1], sy[k >> 1 & 1], at(k & 4 ? b.last : b.first));
+      corners[k] = frustum_.point(sx_[k & 1], sy[k >> 1 & 1], at(k & 4 ? b.last : b.first));
       low = glm::min(low, corners[k]);
       high = glm::max(high, corners[k]);
     }

@@ -31,6 +31,12 @@ struct Frustum {
   std::vector<glm::dvec4> balls;                           // and balls: centre, radius
   std::vector<glm::dvec4> half_spaces;                     // and half-spaces: normal, offset
 
+  // Where sx, sy and s are.
+  glm::dvec3 point(double sx, double sy, double s) const {
+    const double spread = perspective ? distance + s : 1;
+    return middle + sx * spread * right + sy * spread * up + s * forward;
+  }
+
   // Tiles across and down that the form is made over: powers of two, so that all cuts are halvings and exact.
   int span_x() const { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(tile_x1 - tile_x0))); }
   int span_y() const { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(tile_y1 - tile_y0))); }

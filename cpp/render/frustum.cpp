@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <ranges>
 #include <utility>
 
 #include "caps.h"
@@ -38,6 +39,7 @@ constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_ce
 struct Screen {
   int tile;  // pixels along its side
   numerics::Frustum frustum;
+  bool boxed;  // whether the box may cut it
 };
 
 // Pixels along the side of a tile: a multiple of the widest packet. Cells of large degrees are costly, small pictures have few pixels.
@@ -78,7 +80,7 @@ std::pair<double, double> depth_within(const Bounds& bounds, const HalfSpace& h,
 }
 
 Screen screen_of(const View& view, const Bounds& bounds, int degree) {
-  Screen screen{tile_of(view, degree), {}};
+  Screen screen{tile_of(view, degree), {}, true};
   numerics::Frustum& f = screen.frustum;
   f.right = view.right;
   f.up = view.up;
@@ -129,6 +131,12 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   };
   std::tie(f.tile_x0, f.tile_x1) = tiles(lowest[0], highest[0], f.left, f.across, view.columns, screen.tile);
   std::tie(f.tile_y0, f.tile_y1) = tiles(lowest[1], highest[1], f.top, f.down, view.rows, screen.tile);
+  // All that cells may cover lies between the corners of the outermost tiles, at both ends of the depth.
+  screen.boxed = !std::ranges::all_of(std::views::iota(0, 8), [&](int k) {
+    const auto sx = static_cast<double>(f.left + (k & 1 ? f.tile_x1 : f.tile_x0) * f.across), sy = static_cast<double>(f.top + (k & 2 ? f.tile_y1 : f.tile_y0) * f.down);
+    const glm::dvec3 p = f.point(sx, sy, k & 4 ? f.far : f.near);
+    return glm::all(glm::greaterThan(p, f.lower + 1e-9 * size)) && glm::all(glm::lessThan(p, f.upper - 1e-9 * size));
+  });
   return screen;
 }
 
@@ -258,7 +266,7 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
   const int degree = columns_of_tiles.degree();
   const kernel::Spec spec = cells_spec(options, device, precision, depth_degree(degree, options, precision), screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
-  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau, screen.boxed);
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, precision, options);
   const Forms forms = forms_of(columns_of_tiles, screen, spec, options, wanted);

@@ -22,7 +22,7 @@ namespace irt::render {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kSettings = 25;
+constexpr std::size_t kSettings = 26;
 // Packets of a work-item, and how many items a frame has at least while it has more than one packet in each.
 constexpr std::size_t kMostPackets = 8, kLeastItems = 256;
 
@@ -143,8 +143,20 @@ Reals parameter_ends(const program::Program& program, const Options& options, pr
 
 double reach(const Bounds& bounds) { return 0.5 * glm::length(bounds.upper - bounds.lower) * (1 + 1e-6); }
 
+namespace {
+
+// Whether no point of the ball is outside the box; sums of two doubles of about the same size are exact.
+bool lies_in_box(const Ball& ball, const Bounds& bounds) {
+  const long double radius = ball.radius;
+  for (int k = 0; k < 3; ++k)
+    if (ball.center[k] - radius < bounds.lower[k] || ball.center[k] + radius > bounds.upper[k]) return false;
+  return true;
+}
+
+}  // namespace
+
 Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
-                     double near) {
+                     double near, bool boxed) {
   Reals q(precision, kSettings + 4 * (bounds.balls.size() + bounds.half_spaces.size()));
   for (int k = 0; k < 3; ++k) {
     q.set(k, bounds.lower[k]);
@@ -161,6 +173,7 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   q.set_above(10, near);
   q.set(23, glm::length(options.light) > 0 ? 1 : 0);
   q.set(24, options.steps);
+  q.set(25, boxed && std::none_of(bounds.balls.begin(), bounds.balls.end(), [&](const Ball& ball) { return lies_in_box(ball, bounds); }) ? 1 : 0);
   for (std::size_t i = 0; i < bounds.balls.size(); ++i) {
     for (int k = 0; k < 3; ++k) q.set(kSettings + 4 * i + k, bounds.balls[i].center[k]);
     q.set(kSettings + 4 * i + 3, bounds.balls[i].radius);

@@ -25,7 +25,7 @@ Reals parameter_ends(const program::Program& program, const Options& options, pr
 
 // The settings of kernels/scene.cl; near is that of a camera.
 Reals scene_settings(const Bounds& bounds, const Options& options, program::Precision precision, double position_pad,
-                     double near);
+                     double near, bool boxed = true);
 
 // The distance from the middle of the bounds to its corners, and a little more.
 double reach(const Bounds& bounds);
