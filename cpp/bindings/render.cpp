@@ -7,12 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
+#include <tuple>
 
 #include "bindings/bindings.h"
 #include "expr/build.h"
 #include "error.h"
 #include "kernel/assemble.h"
+#include "numerics/recent.h"
 #include "render/launch.h"
 
 namespace py = pybind11;
@@ -91,11 +95,13 @@ render::Options options_of(const py::dict& request, const program::Program& prog
 }
 
 // The program of a picture: with the clip formula, and with what sees through poles.
-program::Program program_of(const Expr& f, const py::dict& request) {
-  const bool isovalue = request.contains("isovalue") && !request["isovalue"].is_none();
-  if (!request.contains("clip") || request["clip"].is_none()) return program::lower(f, isovalue, nullptr, true);
-  const Expr g = get<Expr>(request, "clip");
-  return program::lower(f, isovalue, &g, true);
+// Frames ask for the same again and again.
+std::shared_ptr<const program::Program> program_of(const Expr& f, const py::dict& request) {
+  using Key = std::tuple<Expr, bool, std::optional<Expr>>;
+  static auto* const recent = new numerics::Recent<Key, program::Program>;
+  const bool isovalue = request.contains("isovalue") && !request["isovalue"].is_none(), clipped = request.contains("clip") && !request["clip"].is_none();
+  const std::optional<Expr> g = clipped ? std::optional(get<Expr>(request, "clip")) : std::nullopt;
+  return recent->get({f, isovalue, g}, [&] { return std::make_shared<const program::Program>(program::lower(f, isovalue, g ? &*g : nullptr, true)); });
 }
 
 // (depths (rows, columns), distance), as rows of whole packets.
@@ -195,7 +201,8 @@ render::Formulas formulas_of(const Expr& f, const py::dict& request) {
 }
 
 py::dict render_frame(const Expr& f, const py::dict& request) {
-  const program::Program program = program_of(f, request);
+  const auto kept = program_of(f, request);
+  const program::Program& program = *kept;
   const render::Options options = picture_options(request, program);
   const render::Bounds bounds = bounds_of(request);
   const auto camera = get<py::dict>(request, "camera");
@@ -223,7 +230,8 @@ py::dict render_frame(const Expr& f, const py::dict& request) {
 }
 
 py::dict trace_rays(const Expr& f, const py::dict& request) {
-  const program::Program program = program_of(f, request);
+  const auto kept = program_of(f, request);
+  const program::Program& program = *kept;
   const render::Options options = picture_options(request, program);
   const render::Bounds bounds = bounds_of(request);
   const auto origins = get<DoubleArray>(request, "origins"), directions = get<DoubleArray>(request, "directions");
@@ -267,7 +275,8 @@ py::array_t<double> enclose_pieces(const Expr& f, const py::dict& request) {
 }
 
 std::string kernel_source(const Expr& f, const py::dict& request) {
-  const program::Program program = program_of(f, request);
+  const auto kept = program_of(f, request);
+  const program::Program& program = *kept;
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   const render::Options options = picture_options(request, program);
   return options.by_frustum()

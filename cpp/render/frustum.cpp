@@ -25,8 +25,9 @@ namespace {
 
 using program::Precision;
 
-// So few open pixels go the reference's way at once. The number is one and no time, so that a frame is the same to the last bit however often it is drawn.
-constexpr std::size_t kFewPixels = 64;
+// So few open pixels go the reference's way at once, while the kernel in double is not built; so few go there in any case. A picture with no more is the same to the
+// last bit however often it is drawn.
+constexpr std::size_t kFewPixels = 64, kVeryFewPixels = 8;
 // With Options::or_march, shares of the frame beyond which open pixels are marched instead, and least numbers.
 constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 256, kReferenceLeast = 256;
 // Cells of floats have this degree along their depth at most.
@@ -393,10 +394,10 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   };
   if (marches(kDoubleShare, kDoubleLeast)) return answer;
   // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes.
-  if (first == Precision::Single && answer.builds == 0)
-    device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, degree, screen->tile, bounds, kernel::Entry::PixelList)),
-                   kernel::entry_name(kernel::Entry::PixelList));
-  if (first == Precision::Single && open.size() > kFewPixels) {
+  const bool ready = first == Precision::Single && answer.builds == 0 &&
+                     device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, degree, screen->tile, bounds, kernel::Entry::PixelList)),
+                                    kernel::entry_name(kernel::Entry::PixelList));
+  if (first == Precision::Single && open.size() > (ready ? kVeryFewPixels : kFewPixels)) {
     const std::vector<std::size_t> packets = whole_packets(open, static_cast<std::size_t>(packet_width(device, Precision::Double)));
     const std::vector<bool> tiles = tiles_of(*screen, open, answer.pitch);
     const Answer second = pass(*columns, *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch, &tiles);
