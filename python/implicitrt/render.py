@@ -68,7 +68,7 @@ def render(
         params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing.
         device: part of a device's or driver's name; default: IMPLICITRT_DEVICE, else the best.
         precision: "single", "double", or "auto": single, and double for rays where single cannot reach eps; where it hardly
-            could for any, double narrows down what single has found, or finds it. Where "auto" redoes more than 40 pixels, their depths may
+            could for any, double narrows down what single has found, or finds it. Where "auto" redoes more than 8 pixels, their depths may
             differ from frame to frame, by their uncertainty at most.
         rounding: "outward": every step is rounded so that MISS and HIT are proven; "fast": none is.
         isovalue: draws f = isovalue; changing it compiles nothing.
