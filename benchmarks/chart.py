@@ -35,7 +35,7 @@ TEXT = """# Speed against accuracy
 
 Drawn on {date} by `python benchmarks/chart.py --size {size} --runs {runs}` on {device}; {size} x {size} pixels, `precision="auto"`,
 `rounding="outward"`, medians of {runs} frames. Depth errors are against `irt.reference`. Milliseconds are of the kernels; ratios within one
-surface are what to look at: machines differ and are shared. What the host spends on the frustum form's coefficients comes on top: next to nothing up to degree 6, five
+surface are what to look at: machines differ and are shared. What the host spends on the frustum form's coefficients comes on top: next to nothing up to degree 6, eighteen
 milliseconds on supersphere_16, which is why `auto` does not take it there (docs/performance.md).
 
 ![Largest depth error against time](speed-accuracy.png)
