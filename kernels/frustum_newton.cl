@@ -1,8 +1,8 @@
 // frustum-newton: ours, the fastest of the frustum form's root finders. As the yardstick of hand-written kernels does, it separates roots
 // by cutting and then leaves Bezier pieces alone: an evaluation costs as many multiplications as a cut has rounds.
 //
-// The root of a piece that has exactly one is closed in on by Halley's steps, which take one evaluation for three digits of each known one, and proven between
-// two evaluations beyond all error.
+// The root of a piece that has exactly one is closed in on by Halley's steps, each of which trebles the digits that are known, and proven between two
+// evaluations beyond all error.
 #define MOST_HALVINGS 80
 #define MOST_ROUNDS 12
 #define MOST_WIDENINGS 5  // each by four
