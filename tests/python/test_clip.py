@@ -199,3 +199,33 @@ def test_compare_and_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixt
     ):
         assert main([*arguments, "--bounds", text]) == 1
         assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("method", ["contract", "raa", "ia", "frustum-newton"])
+def test_rays_within_a_plane_of_the_bounds_count(method: str) -> None:
+    half = [2.0, HalfSpace((1, 0, 0), 0)]
+    sphere = irt.trace(SPHERE, [(0, 0, 5), (0.5, 0, 5), (-0.5, 0, 5)], (0, 0, -1), bounds=half, method=method)
+    assert [Status(s) != Status.MISS for s in sphere.status] == [True, False, True]
+    plane = irt.trace("z", [(0, 0, 5), (2, 0, 5), (2.001, 0, 5)], (0, 0, -1), bounds=2, method=method)
+    assert [Status(s) != Status.MISS for s in plane.status] == [True, True, False]
+
+
+@pytest.mark.parametrize("method", ["contract", "frustum-newton"])
+@pytest.mark.parametrize(
+    "bounds",
+    [
+        Sphere((0.1, 0.2, 0.3), 1.37),
+        [Sphere((0.3, 0.1, 0), 1.2), 3.0],  # the ball lies in the box
+        [Sphere((0.3, 0.1, 0), 1.2), 1.0],  # and here it does not
+        [16.0, HalfSpace((0, 0, 1), 1.1), HalfSpace((0, 0, -1), 0.9)],  # no pixel reaches the box
+    ],
+)
+def test_boxes_that_cut_nothing_and_boxes_that_do(bounds: Any, method: str) -> None:
+    f = irt.surfaces["barth_sextic"].expr
+    view = {"bounds": bounds, "camera": irt.Camera((0.3, 0.2, 6), target=(0, 0, 0), fov=30), "size": (40, 40)}
+    frame, truth = irt.render(f, method=method, eps=1e-4, **view), irt.reference(f, **view)
+    assert truth.hit.sum() > 40 and (truth.kind == Status.MISS).sum() > 40
+    proven = (frame.status == Status.HIT) & truth.hit
+    assert not ((truth.kind == Status.MISS) & (frame.status == Status.HIT)).any()
+    assert not (truth.hit & (frame.status == Status.MISS)).any() and proven.sum() > 0.95 * truth.hit.sum()
+    assert (np.abs(frame.depth[proven] - truth.depth[proven]) <= (frame.uncertainty + truth.uncertainty)[proven]).all()
