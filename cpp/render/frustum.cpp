@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstring>
-#include <ranges>
 #include <utility>
 
 #include "caps.h"
@@ -133,11 +132,12 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   std::tie(f.tile_x0, f.tile_x1) = tiles(lowest[0], highest[0], f.left, f.across, view.columns, screen.tile);
   std::tie(f.tile_y0, f.tile_y1) = tiles(lowest[1], highest[1], f.top, f.down, view.rows, screen.tile);
   // All that cells may cover lies between the corners of the outermost tiles, at both ends of the depth.
-  screen.boxed = !std::ranges::all_of(std::views::iota(0, 8), [&](int k) {
+  screen.boxed = false;
+  for (int k = 0; k < 8; ++k) {
     const auto sx = static_cast<double>(f.left + (k & 1 ? f.tile_x1 : f.tile_x0) * f.across), sy = static_cast<double>(f.top + (k & 2 ? f.tile_y1 : f.tile_y0) * f.down);
     const glm::dvec3 p = f.point(sx, sy, k & 4 ? f.far : f.near);
-    return glm::all(glm::greaterThan(p, f.lower + 1e-9 * size)) && glm::all(glm::lessThan(p, f.upper - 1e-9 * size));
-  });
+    screen.boxed |= !(glm::all(glm::greaterThan(p, f.lower + 1e-9 * size)) && glm::all(glm::lessThan(p, f.upper - 1e-9 * size)));
+  }
   return screen;
 }
 
