@@ -84,9 +84,15 @@ static inline EXTENT extent_of(const F* c) {
   return e;
 }
 
-static inline I apart_from_zero(EXTENT e, F error) { return GT(e.low, error) | LT(e.high, -error); }
-static inline F size_of(EXTENT e) { return max(e.high, -e.low); }
-static inline I one_sign(const F* c, F error) { return apart_from_zero(extent_of(c), error); }
+static inline I one_sign(const F* c, F error) {
+  const EXTENT e = extent_of(c);
+  return GT(e.low, error) | LT(e.high, -error);
+}
+
+static inline F largest_of(const F* c) {
+  const EXTENT e = extent_of(c);
+  return max(e.high, -e.low);
+}
 
 // c over [lo, hi] of its range.
 static inline void restrict_to(F* c, F lo, F hi) {
@@ -156,8 +162,6 @@ static inline I one_root(const F* c, F error, F sign) {
   }
   return LT(sign * c[IRT_DEGREE], -error) & ~bad;
 }
-
-static inline F largest_of(const F* c) { return size_of(extent_of(c)); }
 
 // Half of what a bracket may have, in s; no shorter than the precision tells apart.
 #define REACH(ray) (max((F)(R(0.45) * EPS), (F)(R(8.0) * ULP * RADIUS)) / NARROW((ray)->length))

@@ -14,9 +14,13 @@
 #define ANY(m) any_lane(m)
 #endif
 
-#if W > 1 && __has_builtin(__builtin_reduce_or)
+#if W > 1
+#ifdef __has_builtin  // nested: a preprocessor without it could not read the condition
+#if __has_builtin(__builtin_reduce_or)
 #define any_lane(m) (__builtin_reduce_or(m) != 0)
-#elif W > 1
+#endif
+#endif
+#ifndef any_lane
 // Of masks. Quarters and halves are joined; PoCL makes forty instructions and eight branches of `any`.
 static inline int any_lane(I m) {
 #if W == 16
@@ -32,6 +36,7 @@ static inline int any_lane(I m) {
   return ((FOUR(m).x | FOUR(m).y) | (FOUR(m).z | FOUR(m).w)) != 0;
 #endif
 }
+#endif
 #endif
 
 #define LT(a, b) MASK((a) < (b))

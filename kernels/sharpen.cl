@@ -33,7 +33,4 @@ __attribute__((noinline)) void sharpen_packet(const size_t column, const size_t 
   write_results(&ray, &root, to, q, RESULTS_PASS PARAMETERS_PASS);
 }
 
-__kernel __attribute__((vec_type_hint(F))) void trace(TRACE_DECL, const int packets, const int first_column, const int first_row) {
-  const size_t first = (first_column + get_global_id(0)) * packets, end = min(first + packets, (size_t)(pitch / W));
-  for (size_t column = first; column < end; ++column) sharpen_packet(column, first_row + get_global_id(1), TRACE_PASS);
-}
+TRACE_KERNEL(sharpen_packet)

@@ -17,11 +17,11 @@ namespace {
 
 using program::Precision;
 
+bool in_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
+
 // Symbols become comments only if they are identifiers: nothing that a user writes can leave the comment.
 bool identifier(const std::string& name) {
-  return !name.empty() && name.size() <= limits::kIdentifierLength && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  });
+  return !name.empty() && name.size() <= limits::kIdentifierLength && std::all_of(name.begin(), name.end(), in_name);
 }
 
 // What packets, precision and outputs need.
@@ -115,7 +115,6 @@ bool pads(std::string_view name) {
 // The same definitions once more without pads, under names that begin with bare_.
 std::string without_pads(std::string_view text) {
   std::string out = "\n// ---- the same without pads\n#undef IRT_OUTWARD\n#define IRT_OUTWARD 0\n#define bare_LOWER(v, k) (v)\n#define bare_UPPER(v, k) (v)\n";
-  const auto in_name = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
   for (std::size_t at = 0; at < text.size();) {
     std::size_t end = at;
     while (end < text.size() && in_name(text[end])) ++end;

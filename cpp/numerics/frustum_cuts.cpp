@@ -20,6 +20,10 @@ class Range {
     low_ = v < low_ ? v : low_;
     high_ = v > high_ ? v : high_;
   }
+  [[gnu::always_inline]] void look(const Range& other) {
+    low_ = other.low_ < low_ ? other.low_ : low_;
+    high_ = other.high_ > high_ ? other.high_ : high_;
+  }
   [[gnu::always_inline]] Extent extent() const {
     Extent e{low_[0], high_[0]};
     for (std::size_t k = 1; k < kLanes; ++k) e = {std::min(e.lowest, low_[k]), std::max(e.highest, high_[k])};
@@ -137,21 +141,14 @@ IRT_WIDEST void halve(double* first_hi, double* first_lo, double* second_hi, dou
 
 IRT_WIDEST Extent extent_of(const double* values, std::size_t n) {
   constexpr std::size_t kChains = 4;  // comparisons take several cycles, and may overlap
-  Lanes low[kChains], high[kChains];
-  for (std::size_t c = 0; c < kChains; ++c) low[c] = high[c] = *reinterpret_cast<const Lanes*>(values);
+  Range chains[kChains];
+  const auto look = [&](std::size_t c, std::size_t at) { chains[c].look(*reinterpret_cast<const Lanes*>(values + at)); };
   std::size_t i = 0;
-  const auto look = [&](std::size_t c, std::size_t at) {
-    const Lanes v = *reinterpret_cast<const Lanes*>(values + at);
-    low[c] = v < low[c] ? v : low[c];
-    high[c] = v > high[c] ? v : high[c];
-  };
   for (; i + kChains * kLanes <= n; i += kChains * kLanes)
     for (std::size_t c = 0; c < kChains; ++c) look(c, i + c * kLanes);
   for (; i < n; i += kLanes) look(0, i);
-  Extent e{low[0][0], high[0][0]};
-  for (std::size_t c = 0; c < kChains; ++c)
-    for (std::size_t k = 0; k < kLanes; ++k) e = {std::min(e.lowest, low[c][k]), std::max(e.highest, high[c][k])};
-  return e;
+  for (std::size_t c = 1; c < kChains; ++c) chains[0].look(chains[c]);
+  return chains[0].extent();
 }
 
 IRT_WIDEST Extent steps_of(const double* values, const Runs& runs) {
@@ -178,7 +175,9 @@ IRT_WIDEST double slowest_change(const double* values, const Runs& runs) {
         a = b;
       }
     }
-  return std::min(std::min(slowest[0], slowest[1]), std::min(slowest[2], slowest[3]));
+  double least = slowest[0];
+  for (std::size_t k = 1; k < kLanes; ++k) least = std::min(least, slowest[k]);
+  return least;
 }
 
 // Whole vectors: what a line writes beyond its end the next one overwrites.

@@ -80,7 +80,7 @@ std::pair<double, double> depth_within(const Bounds& bounds, const HalfSpace& h,
 }
 
 Screen screen_of(const View& view, const Bounds& bounds, int degree) {
-  Screen screen{tile_of(view, degree), {}, true};
+  Screen screen{tile_of(view, degree), {}, false};
   numerics::Frustum& f = screen.frustum;
   f.right = view.right;
   f.up = view.up;
@@ -132,7 +132,6 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   std::tie(f.tile_x0, f.tile_x1) = tiles(lowest[0], highest[0], f.left, f.across, view.columns, screen.tile);
   std::tie(f.tile_y0, f.tile_y1) = tiles(lowest[1], highest[1], f.top, f.down, view.rows, screen.tile);
   // All that cells may cover lies between the corners of the outermost tiles, at both ends of the depth.
-  screen.boxed = false;
   for (int k = 0; k < 8; ++k) {
     const auto sx = static_cast<double>(f.left + (k & 1 ? f.tile_x1 : f.tile_x0) * f.across), sy = static_cast<double>(f.top + (k & 2 ? f.tile_y1 : f.tile_y0) * f.down);
     const glm::dvec3 p = f.point(sx, sy, k & 4 ? f.far : f.near);
