@@ -6,38 +6,14 @@
 // tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they begin. slabs: s at
 // its near end, its length, its error. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
 // `terms` polynomials and their slopes at the centres of a tile's pixels.
-#define PLANE (N * IRT_MOST_TERMS + W)
-#if IRT_DEGREE <= 12
-#define SUMS N
-#else
-#define SUMS 4
-#endif
-#define CELL_STEP 16
-#define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, and that of the frame before
+#define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, that of the frame before, and the eps of a search before refinement
 #define ACROSS (basis + 16)
 #define SLOPE (basis + 16 + terms * IRT_TILE)
-
-// A form contracted with a row, once for all lanes: [depth][across].
-static inline void contract_row(__global const real* form, int row, __global const real* polynomials, int down, int count, real* plane) {
-  for (int first = 0; first < count; first += W) {
-    F sum = (F)0;
-    for (int j = 0; j < down; ++j) sum = fma(LOAD(form + j * count + first), (F)polynomials[j * IRT_TILE + row], sum);
-    STORE(sum, plane + first);
-  }
-}
-
-// And with the columns: coefficients along the rays of a packet.
-static inline void contract_columns(const real* plane, int column, __global const real* polynomials, int across, F* c) {
-  for (int first = 0; first < N; first += SUMS) {
-    F sums[SUMS];
-    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = (F)0;
-    for (int i = 0; i < across; ++i) {
-      const F weight = LOAD(polynomials + i * IRT_TILE + column);
-      UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) sums[m] = fma((F)plane[min(first + m, N - 1) * across + i], weight, sums[m]);
-    }
-    UNROLL(SUMS) for (int m = 0; m < SUMS; ++m) c[min(first + m, N - 1)] = sums[m];
-  }
-}
+#if IRT_FINE
+#define FIRST_EPS VIEW(14)
+#else
+#define FIRST_EPS EPS
+#endif
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER) {
   ROOT root;
@@ -70,7 +46,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     if (!ANY(lanes)) continue;
     const int down = shapes[3 * k], across = shapes[3 * k + 1];
     __global const real* here = form + (size_t)shapes[3 * k + 2] * CELL_STEP;
-    real plane[PLANE];
+    real plane[N * IRT_MOST_TERMS + W];
     contract_row(here, row, ACROSS, down, N * across, plane);
     contract_columns(plane, column, ACROSS, across, cell.c);
 #if IRT_OUTWARD
@@ -86,7 +62,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_PREVIOUS
     cell.guess = (before - near) * inverse;
 #endif
-    cell.reach = REACH(ray) * inverse;
+    cell.reach = REACH(ray, FIRST_EPS) * inverse;
     found.hits = found.touches = found.spent = NONE;
     found.lo = found.hi = (F)0;
     search_cell(&cell, open, max_pieces, &found);
@@ -125,6 +101,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   root.at = fma(WIDEN(at), WIDEN(at_length), WIDEN(at_near));
 #if !IRT_SPLIT
   root.half_width += ULP * (F)RADIUS;
+#endif
+#if IRT_FINE
+  if (on_screen && ANY(EQ(root.status, HIT))) refine(ray, &root, q, tile, column, row, FINE_PASS);
 #endif
 #if IRT_PIECES
   root.pieces = found.pieces;

@@ -14,6 +14,10 @@
 #define HALF_AND_A_LITTLE R(0.515625)  // of a piece, where it is halved: a cut in a root would leave its sign unknown on both sides
 #define BINOMIAL(degree, i) ((degree) == IRT_DEGREE ? binomials[i] : binomials[i] * (real)((degree) + 1 - (i)) / (real)((degree) + 1))  // and one less
 
+// Lines that are contracted together, of so many terms.
+#define SUMS(terms) ((terms) <= 13 ? (terms) : 4)
+#define CELL_STEP 16
+
 // Pieces that each lane has looked at, where the call asks for them.
 #if IRT_PIECES
 #define COUNT(lanes) found->pieces -= (lanes);
@@ -164,7 +168,7 @@ static inline I one_root(const F* c, F error, F sign) {
 }
 
 // Half of what a bracket may have, in s; no shorter than the precision tells apart.
-#define REACH(ray) (max((F)(R(0.45) * EPS), (F)(R(8.0) * ULP * RADIUS)) / NARROW((ray)->length))
+#define REACH(ray, eps) (max((F)(R(0.45) * (eps)), (F)(R(8.0) * ULP * RADIUS)) / NARROW((ray)->length))
 
 // The first zero of the control polygon, as a share of the piece; 1 where there is none.
 static inline F polygon_zero(const F* c, F sign) {

@@ -16,7 +16,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   cell.hi = clamp((range->out1 + reach_s) * inverse + slack, (F)0, (F)1);
   cell.in_lo = (range->in0 + reach_s) * inverse + slack;
   cell.in_hi = (range->in1 + reach_s) * inverse - slack;
-  cell.reach = REACH(ray) * inverse;
+  cell.reach = REACH(ray, EPS) * inverse;
   FOUND found;
 #if IRT_PIECES
   found.pieces = NONE;

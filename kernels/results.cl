@@ -6,7 +6,21 @@
 #define PIECES_DECL
 #define PIECES_PASS
 #endif
-#define RESULTS_DECL NORMAL_DECL RGB_DECL PIECES_DECL __global real *depth, __global real *uncertainty, __global uchar *status
+
+// Depths and their uncertainties: reals; or doubles, by root finders that refine
+// what packets of floats have found.
+#if IRT_FINE
+typedef wide measure;
+typedef FW M;
+#define TO_M(v) WIDEN(v)
+#define DEPTH_ROUNDING (R(4.0) * R(0x1p-52))
+#else
+typedef real measure;
+typedef F M;
+#define TO_M(v) (v)
+#define DEPTH_ROUNDING (DEPTH_ERROR * ULP)
+#endif
+#define RESULTS_DECL NORMAL_DECL RGB_DECL PIECES_DECL __global measure *depth, __global measure *uncertainty, __global uchar *status
 #define RESULTS_PASS NORMAL_PASS RGB_PASS PIECES_PASS depth, uncertainty, status
 
 // Where the lanes of a packet lie: side by side, or in rows of four (beams.cl).
@@ -38,9 +52,9 @@ typedef size_t PLACE;
 
 // The same for rays that are known to miss.
 static inline void write_misses(const PLACE at, RESULTS_DECL) {
-  PUT(F, INF, depth);
+  PUT(M, (M)INFINITY, depth);
   PUT(BYTES, (BYTES)0, status);
-  PUT(F, (F)NAN, uncertainty);
+  PUT(M, (M)NAN, uncertainty);
 #if IRT_PIECES
   PUT(UINT, (UINT)0, pieces);
 #endif
@@ -58,16 +72,20 @@ static inline void write_results(const RAY* ray, const ROOT* root, const PLACE a
   const I found = EQ(root->status, HIT) | EQ(root->status, TOUCH);
   const F s = NARROW(root->at), t = max(NARROW((ray->tau + root->at) * ray->length), EARLIEST(ray)), length = NARROW(ray->length);
   // Half the width of the bracket, which has room for the rounding of this product, and the rounding of t.
-  const F bracket = fma(root->half_width, length, DEPTH_ERROR * ULP * fabs(t) + (F)POSITION_PAD);
+  const F bracket = fma(root->half_width, length, DEPTH_ROUNDING * fabs(t) + (F)POSITION_PAD);
+#if IRT_FINE
+  PUT(M, max((ray->tau + root->at) * ray->length, WIDEN(EARLIEST(ray))) + WIDEN(SELECT(EQ(root->status, MISS), INF, (F)0)), depth);
+#else
   PUT(F, SELECT(EQ(root->status, MISS), INF, t), depth);
+#endif
   PUT(BYTES, TO_BYTES(root->status), status);
 #if IRT_PIECES
   PUT(UINT, TO_UINT(root->pieces), pieces);
 #endif
 #if IRT_OUTWARD
-  PUT(F, SELECT(EQ(root->status, HIT), bracket, (F)NAN), uncertainty);
+  PUT(M, TO_M(SELECT(EQ(root->status, HIT), bracket, (F)NAN)), uncertainty);
 #else
-  PUT(F, (F)NAN, uncertainty);
+  PUT(M, (M)NAN, uncertainty);
 #endif
 #if IRT_NORMAL || IRT_RGB
   const F less = R(1.0) / length;

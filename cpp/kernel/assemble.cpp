@@ -43,6 +43,7 @@ std::string prelude(const Spec& spec) {
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
     define("IRT_SPLIT", spec.split);
+    define("IRT_FINE", spec.fine_terms > 0);
     define("IRT_BEAMS", spec.beams);
     define("IRT_SHARPENS", spec.sharpens);
     if (spec.beams) {
@@ -61,7 +62,7 @@ std::string prelude(const Spec& spec) {
   if (spec.entry != Entry::Enclose) {
     // Rays are set up in `wide` reals.
     const std::string setup = spec.split ? "double" : real;
-    text += fmt::format("typedef {0} wide;\ntypedef {0}{1} FW;\n#define WIDEN(v) {2}\n#define NARROW(v) {3}\n#define LOAD_WIDE(p) {4}\n",
+    text += fmt::format("typedef {0} wide;\ntypedef {0}{1} FW;\n#define TO_LONG(m) convert_long{1}(m)\n#define WIDEN(v) {2}\n#define NARROW(v) {3}\n#define LOAD_WIDE(p) {4}\n",
                         setup, w, spec.split ? fmt::format("convert_double{}(v)", w) : "(v)",
                         spec.split ? fmt::format("convert_float{}(v)", w) : "(v)", spec.width == 1 ? "(*(p))" : fmt::format("vload{}(0, p)", w));
   }
@@ -260,14 +261,30 @@ std::string with_shading(std::string text, const Spec& spec) {
 namespace {
 
 // How often each coefficient of Bernstein's basis counts; exact in double up to limits::kFrustumDegree.
-std::string binomials(const Spec& spec) {
-  std::string text = "__constant real binomials[] = {";
+std::string binomials(const char* type, const char* name, int degree, bool wide) {
+  std::string text = fmt::format("__constant {} {}[] = {{", type, name);
   double value = 1;
-  for (int i = 0; i <= spec.degree; ++i) {
-    text += fmt::format("{:.1f}{}, ", value, spec.precision == Precision::Double ? "" : "f");
-    value = std::round(value * (spec.degree - i) / (i + 1));
+  for (int i = 0; i <= degree; ++i) {
+    text += fmt::format("{:.1f}{}, ", value, wide ? "" : "f");
+    value = std::round(value * (degree - i) / (i + 1));
   }
   return text + "};\n";
+}
+
+// kernels/frustum_contract.cl for one type.
+std::string contraction(const char* scalar, const char* lanes, const char* terms, const char* prefix) {
+  return fmt::format("\n#define SCALAR {}\n#define LANES {}\n#define TERMS {}\n#define CONTRACTION(with) {}##with\n", scalar, lanes, terms, prefix) +
+         included("frustum_contract.cl");
+}
+
+// Cells of the frustum form, or coefficients ray by ray.
+std::string cells(const Spec& spec) {
+  if (spec.entry == Entry::RayList) return included("frustum_rays.cl");
+  std::string text = contraction("real", "F", "N", "contract_");
+  if (spec.fine_terms)
+    text += fmt::format("\n#define FINE_TERMS {}\n", spec.fine_terms) + binomials("double", "fine_binomials", spec.fine_terms - 1, true) +
+            contraction("wide", "FW", "FINE_TERMS", "contract_fine_") + included("frustum_fine.cl");
+  return text + included("frustum_cells.cl");
 }
 
 }  // namespace
@@ -278,18 +295,22 @@ std::string assemble_frustum(const Spec& spec) {
   std::string text = prelude(spec) +
       fmt::format("#define IRT_DEGREE {}\n#define IRT_MOST_TERMS {}\n#define IRT_TILE {}\n#define IRT_GRADIENT_FOUND {}\n#define IRT_PREVIOUS {}\n", spec.degree, limits::kFrustumDegree + 1, spec.tile, gradient ? 1 : 0,
                   spec.previous ? 1 : 0) +
-      binomials(spec) +
+      binomials("real", "binomials", spec.degree, spec.precision == Precision::Double) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
                           "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n")
-            : fmt::format("#define FORM_ARGUMENTS __global const int *tiles, __global const int *shapes, __global const real *slabs, __global const real *form, "
-                          "__global const real *basis, const int terms, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows{}\n"
-                          "#define ARGUMENTS_PASS , tiles, shapes, slabs, form, basis, terms, tile_x0, tile_y0, tile_columns, tile_rows{}\n",
-                          spec.previous ? ", __global const float *previous, const int previous_pitch" : "", spec.previous ? ", previous, previous_pitch" : "")) +
+            : fmt::format("#define FINE_ARGUMENTS __global const int *fine_tiles, __global const int *fine_shapes, __global const wide *fine_slabs, "
+                          "__global const wide *fine_form, __global const wide *fine_basis\n"
+                          "#define FINE_PASS fine_tiles, fine_shapes, fine_slabs, fine_form, fine_basis\n"
+                          "#define FORM_ARGUMENTS __global const int *tiles, __global const int *shapes, __global const real *slabs, __global const real *form, "
+                          "__global const real *basis, const int terms, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows{}{}\n"
+                          "#define ARGUMENTS_PASS , tiles, shapes, slabs, form, basis, terms, tile_x0, tile_y0, tile_columns, tile_rows{}{}\n",
+                          spec.fine_terms ? ", FINE_ARGUMENTS" : "", spec.previous ? ", __global const float *previous, const int previous_pitch" : "",
+                          spec.fine_terms ? ", FINE_PASS" : "", spec.previous ? ", previous, previous_pitch" : "")) +
       // A list holds whole packets of a frame.
       fmt::format("#define FINDER_PASS , {} ARGUMENTS_PASS\n",
                   spec.entry == Entry::PixelList ? "list[2 * W * column] / W, list[2 * W * column + 1]" : "column, row") +
       "#define ARGUMENTS , FORM_ARGUMENTS\n#define FINDER , const size_t packet, const size_t pixel_row, FORM_ARGUMENTS\n";
-  text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl", rays ? "frustum_rays.cl" : "frustum_cells.cl"});
+  text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl"}) + cells(spec);
   if (spec.finder != "frustum_newton") text = joined(text, {spec.finder.starts_with("frustum_mr") ? "frustum_knots.cl" : "frustum_pieces.cl"});
   return with_shading(joined(text, {file.c_str()}), spec);
 }

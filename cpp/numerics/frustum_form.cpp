@@ -28,7 +28,7 @@ constexpr int kPreciseCuts = 6;
 constexpr double kLost = 4;
 // Least slope of a steady cell, in parts of its largest value.
 constexpr double kSteady = 0.1;
-// Halvings of the depth after which slabs are short enough, but for accuracy. Where only some tiles are asked for, for few pixels, cells cost more than
+// Halvings of the depth after which slabs are short enough, but for accuracy. For few pixels cells cost more than
 // roots do, up to a degree above which long slabs leave pixels to the reference.
 constexpr int kUsualDepthCuts = 3, kUsualDepthCutsOfFew = 0, kMostDegreeOfFew = 12;
 
@@ -194,7 +194,7 @@ class Cutter {
   Axis longest(const Block& b, const Form& form, double error, double largest) const {
     const int parts = b.last - b.first;
     const double length = at(b.last) - at(b.first);
-    const bool long_slab = parts > 1 << (kMostDepthCuts - (demand_.tiles && n_ <= kMostDegreeOfFew + 1 ? kUsualDepthCutsOfFew : kUsualDepthCuts));
+    const bool long_slab = parts > 1 << (kMostDepthCuts - (demand_.few && n_ <= kMostDegreeOfFew + 1 ? kUsualDepthCutsOfFew : kUsualDepthCuts));
     if (b.y1 - b.y0 > 1) {
       const double middle = at((b.first + b.last) / 2), spread = frustum_.perspective ? std::fabs(frustum_.distance + middle) : 1;
       return long_slab && length >= (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread ? Axis::depth : Axis::down;

@@ -92,6 +92,7 @@ struct Demand {
   int depth;
   bool reduced;
   const std::vector<bool>* tiles = nullptr;
+  bool few = false;  // whether few pixels are: then cells are longer
 
   bool single() const { return unit > 0x1p-53; }
 };

@@ -150,24 +150,29 @@ int depth_degree(int degree, const Options& options, Precision precision) {
 
 // Cells as buffers: slabs, shapes and forms, and some vectors more, since kernels load whole ones.
 struct Forms {
+  std::size_t tile_count;
   Memory tiles, shapes;
   Reals slabs;
   Memory form;
 };
 
-// Of `tiles` only, where these are given (numerics::Demand).
-Forms forms_of(const numerics::Columns& columns, const Screen& screen, const kernel::Spec& spec, const Options& options, const std::vector<bool>* wanted) {
-  const bool single = spec.precision == Precision::Single;
+numerics::Demand demand_of(const numerics::Columns& columns, Precision precision, double eps, int depth) {
+  return {precision == Precision::Single ? 0x1p-24 : 0x1p-53, eps, depth, reduces(columns.degree(), precision)};
+}
+
+// For packets of `width`.
+Forms forms_of(const numerics::Columns& columns, const Screen& screen, const numerics::Demand& demand, int width) {
+  const Precision precision = demand.single() ? Precision::Single : Precision::Double;
   std::optional<Memory> form;
-  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, {single ? 0x1p-24 : 0x1p-53, options.eps, spec.degree, reduces(columns.degree(), spec.precision), wanted}, [&](std::size_t count) {
+  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, demand, [&](std::size_t count) {
     // Room for whole steps, so that the next frame can often have the same block.
-    const std::size_t size = size_of(spec.precision), more = kMoreVectors * static_cast<std::size_t>(spec.width);
+    const std::size_t size = size_of(precision), more = kMoreVectors * static_cast<std::size_t>(width);
     form.emplace((count + more + kFormStep - 1) / kFormStep * kFormStep * size);
     std::memset(form->as<std::byte>() + count * size, 0, more * size);
     return form->data();
   });
   const std::size_t count = cells.cells.size();
-  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(3 * count * sizeof(std::int32_t)), Reals(spec.precision, 3 * count), *form};
+  Forms out{cells.begins.size() - 1, Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(3 * count * sizeof(std::int32_t)), Reals(precision, 3 * count), *form};
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
   for (std::size_t m = 0; m < count; ++m) {
     const auto& cell = cells.cells[m];
@@ -194,6 +199,7 @@ Reals basis_of(const Screen& screen, int degree, const Options& options, Precisi
   basis.set(11, f.perspective ? 1 : 0);
   basis.set(12, f.distance);
   if (options.previous) basis.set(13, options.previous->distance);
+  basis.set(14, options.first_eps);
   std::vector<double> values(n), slopes(n);
   for (std::size_t pixel = 0; pixel < tile; ++pixel) {
     const double u = (static_cast<double>(pixel) + 0.5) / static_cast<double>(tile);
@@ -249,11 +255,13 @@ std::shared_ptr<const Planned> planned_of(const Expr& f, const std::map<std::str
   return recent->get({f, parameters}, [&] { return std::make_shared<const Planned>(f, parameters); });
 }
 
+// For polynomials of `degree`.
 kernel::Spec cells_spec(const Options& options, const device::Device& device, Precision precision, int degree, int tile, const Bounds& bounds,
                         kernel::Entry entry) {
-  kernel::Spec spec = spec_of(options, device, precision, degree, tile);
+  kernel::Spec spec = spec_of(options, device, precision, depth_degree(degree, options, precision), tile);
   spec.entry = entry;
   spec.previous = options.previous.has_value();
+  if (options.first_eps > 0 && spec.split && entry == kernel::Entry::Camera) spec.fine_terms = degree + 1;
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   return spec;
@@ -264,18 +272,29 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
             device::Device& device, Precision precision, const std::vector<std::size_t>* packets = nullptr, std::size_t pitch = 0, const std::vector<bool>* wanted = nullptr) {
   const auto start = std::chrono::steady_clock::now();
   const int degree = columns_of_tiles.degree();
-  const kernel::Spec spec = cells_spec(options, device, precision, depth_degree(degree, options, precision), screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
+  const kernel::Spec spec = cells_spec(options, device, precision, degree, screen.tile, bounds, packets ? kernel::Entry::PixelList : kernel::Entry::Camera);
   const CameraTerms terms(view, bounds, spec.split ? Precision::Double : precision, spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau, screen.boxed);
+  const bool fine = spec.fine_terms > 0;
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
-                          : make_answer(view.columns, view.rows, spec.width, precision, options);
-  const Forms forms = forms_of(columns_of_tiles, screen, spec, options, wanted);
+                          : make_answer(view.columns, view.rows, spec.width, fine ? Precision::Double : precision, options);
+  numerics::Demand demand = demand_of(columns_of_tiles, precision, fine ? options.first_eps : options.eps, spec.degree);
+  demand.tiles = wanted;
+  demand.few = packets && options.first_eps == 0;  // long slabs leave open what is to be narrowed further
+  const Forms forms = forms_of(columns_of_tiles, screen, demand, spec.width);
   const Reals basis = basis_of(screen, degree, options, precision);
+  std::optional<Forms> exact;  // to refine roots by, in the tiles that may have any
+  std::optional<Reals> exact_basis;
+  if (fine) {
+    std::vector<bool> tiles(forms.tile_count);
+    for (std::size_t k = 0; k < tiles.size(); ++k) tiles[k] = forms.tiles.as<std::int32_t>()[k] < forms.tiles.as<std::int32_t>()[k + 1];
+    demand = demand_of(columns_of_tiles, Precision::Double, options.eps, degree);
+    demand.tiles = &tiles;
+    exact.emplace(forms_of(columns_of_tiles, screen, demand, spec.width));
+    exact_basis.emplace(basis_of(screen, degree, options, Precision::Double));
+  }
   answer.prepare_seconds = seconds_since(start);
-  const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device),
-             tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read),
-             shapes = device.buffer(forms.shapes.data(), forms.shapes.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
-             form = device.buffer(forms.form.data(), forms.form.bytes(), device::Access::read), values = basis.buffer(device);
+  const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device);
   std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)};
   std::optional<Memory> list;
   std::unique_ptr<device::Buffer> pixels;
@@ -284,8 +303,21 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
     pixels = device.buffer(list->data(), list->bytes(), device::Access::read);
     inputs.emplace_back(pixels.get());
   }
+  std::vector<device::Arg> more;
+  std::vector<std::unique_ptr<device::Buffer>> read;
+  const auto reads = [&](const Forms& cells, const Reals& polynomials) {
+    const auto memory = [&](const Memory& m) { return device.buffer(m.data(), m.bytes(), device::Access::read); };
+    const auto add = [&](std::unique_ptr<device::Buffer> buffer) { more.emplace_back(read.emplace_back(std::move(buffer)).get()); };
+    add(memory(cells.tiles));
+    add(memory(cells.shapes));
+    add(cells.slabs.buffer(device));
+    add(memory(cells.form));
+    add(polynomials.buffer(device));
+  };
   const numerics::Frustum& f = screen.frustum;
-  std::vector<device::Arg> more{tiles.get(), shapes.get(), slabs.get(), form.get(), values.get(), degree + 1, f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0};
+  reads(forms, basis);
+  more.insert(more.end(), {degree + 1, f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0});
+  if (exact) reads(*exact, *exact_basis);
   std::unique_ptr<device::Buffer> before;
   if (options.previous) {
     before = device.buffer(options.previous->depth.data(), options.previous->depth.bytes(), device::Access::read);

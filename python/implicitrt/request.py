@@ -26,6 +26,9 @@ SHARPENED = {"bisection", "contract", "mitchell"}
 # Everything else begins in double where eps is below so many times what single precision resolves, or what it blurs zeros of the formula by is so
 # many times eps: it would leave nearly all of it open (docs/speed-accuracy.md, docs/architecture.md).
 HOPELESS = 3.0
+# Between so many times what single precision resolves, it proves brackets of BRACKETED times that by the frustum form, and double narrows each down at
+# once (kernels/frustum_fine.cl).
+REFINED, BRACKETED = (0.02, 10.0), 30.0
 
 
 def finder_request(
@@ -59,9 +62,11 @@ def finder_request(
         if opened.fp64 and entry.marches:
             shifted = expr if isovalue is None else expr - finite(isovalue, "isovalue")
             blur = _blur(shifted, bounds.lower, bounds.upper, tuple(values.items()))
-        sharpened = frames and opened.fp64 and rounding == "outward" and entry.finder in SHARPENED
-        if sharpened and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
+        outward = frames and opened.fp64 and rounding == "outward"
+        if outward and entry.finder in SHARPENED and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
             first_eps = BRACKETS * resolved
+        elif outward and entry.finder == "frustum_newton" and REFINED[0] * resolved < width < REFINED[1] * resolved:
+            first_eps = BRACKETED * resolved
         elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
             precision = "double"
         elif entry.steps:

@@ -1,4 +1,4 @@
-// Contracts of frustum_form.cl, frustum_cells.cl, frustum_rays.cl and frustum_knots.cl: how far coefficients and values are off, and what part of a ray a
+// Contracts of frustum_form.cl, frustum_cells.cl, frustum_fine.cl, frustum_rays.cl and frustum_knots.cl: how far coefficients and values are off, and what part of a ray a
 // cell's polynomial is looked at over.
 #include "kernel_host.h"
 
@@ -119,6 +119,11 @@ void search_cell(const CELL* cell, I lanes, const int, FOUND* found) {
 #define FINDER \
   , const size_t packet, const size_t pixel_row, const int *tiles, const int *shapes, const real *slabs, const real *form, const real *basis, const int terms, \
       const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows
+#define SCALAR real
+#define LANES F
+#define TERMS N
+#define CONTRACTION(with) contract_##with
+#include "frustum_contract.cl"
 #define find_root find_in_cells
 #include "frustum_cells.cl"
 #undef find_root
@@ -176,6 +181,68 @@ CONTRACT(cell_report) { return Part(false, rng).report(); }
 CONTRACT(form_part) { return Part(true, rng).part(); }
 CONTRACT(form_inside) { return Part(true, rng).inside(); }
 CONTRACT(form_report) { return Part(true, rng).report(); }
+
+// ---- roots refined in double
+
+#if VARIANT == 0
+#define FINE_TERMS 4
+#define FINE_ARGUMENTS const int *fine_tiles, const int *fine_shapes, const wide *fine_slabs, const wide *fine_form, const wide *fine_basis
+const wide fine_binomials[] = {1, 3, 3, 1};
+// The coefficients themselves.
+void contract_fine_row(const wide*, int, const wide*, int, int, wide*) {}
+void contract_fine_columns(const wide*, int, const wide* polynomials, int, FW* c) {
+  for (int k = 0; k < 4; ++k) c[k] = polynomials[k];
+}
+#include "frustum_fine.cl"
+
+// A bracket becomes a narrower one, of the one root in it: of cubics with one to three real roots, often close together.
+CONTRACT(refine) {
+  if (!error_mode) error_mode = 1;
+  const double first = rng.between(0.01, 0.99), second = first + rng.sign() * rng.size(-24, 1);
+  const bool real_pair = rng.chance(0.5);
+  const double third = real_pair ? second + rng.sign() * rng.size(-24, 1) : rng.size(-24, 1);  // or what is imaginary of a pair
+  const exact a = first, b = real_pair ? -exact(second) - third : -2 * exact(second), c = real_pair ? exact(second) * third : exact(second) * second + exact(third) * third;
+  const exact powers[] = {-a * c, c - a * b, b - a, 1};
+  exact bernstein[] = {powers[0], powers[0] + powers[1] / 3, powers[0] + (2 * powers[1] + powers[2]) / 3, powers[0] + powers[1] + powers[2] + powers[3]};
+  exact largest = 0;
+  for (const exact v : bernstein) largest = most(largest, magnitude(v));
+  wide basis[20] = {};
+  const exact scale = rng.between(1, 2) / largest;
+  for (int k = 0; k < 4; ++k) basis[16 + k] = static_cast<double>(bernstein[k] * scale);
+  const auto value = [&](exact u) {
+    exact e[4];
+    for (int k = 0; k < 4; ++k) e[k] = basis[16 + k];
+    for (int n = 3; n > 0; --n)
+      for (int i = 0; i < n; ++i) e[i] += u * (e[i + 1] - e[i]);
+    return e[0];
+  };
+  real q[32] = {};
+  q[6] = rounded(rng.size(-6, 6));
+  const double near = q[6] * rng.between(-1, 0.9), length = (q[6] - near) * std::exp2(-rng.between(0, 6));
+  RAY ray;
+  ray.length = rounded(rng.size(0, 1));
+  ROOT root;
+  root.status = HIT;
+  root.half_width = rounded(length * rng.size(-24, -4));
+  root.at = near + length * first + rng.between(-0.9, 0.9) * root.half_width.v;
+  q[8] = rounded(root.half_width.v * std::exp2(-rng.between(0, 24)));
+  const ROOT before = root;
+  const int tiles[] = {0, 1}, shapes[] = {4, 4, 0};
+  const wide slabs[] = {near, length, 0};
+  refine(&ray, &root, q, 0, 0, 0, tiles, shapes, slabs, basis, basis);
+  if (root.half_width == before.half_width) return true;
+  const F reach = (F)(R(0.45) * q[8]) / NARROW(ray.length);
+  if (!at_most(of(reach) * (1 + exact(0x1p-23)), of(root.half_width))) return false;  // room for the rounding of a product (results.cl)
+  const auto place = [&](exact s) { return (s - exact(near)) / exact(length); };
+  const exact from = place(of(before.at) - of(before.half_width)), to = place(of(before.at) + of(before.half_width));
+  const exact lo = place(of(root.at) - of(root.half_width)), hi = place(of(root.at) + of(root.half_width));
+  if ((value(from) < 0) == (value(to) < 0)) return true;  // that was no bracket
+  int inside = 1;  // roots, but for the rounding of coefficients
+  if (real_pair)
+    for (const double other : {second, third}) inside += exact(other) > from + exact(1e-7) && exact(other) < to - exact(1e-7);
+  return inside == 1 && (value(lo) < 0) == (value(from) < 0) && (value(hi) < 0) == (value(to) < 0);
+}
+#endif
 
 // ---- knots
 

@@ -29,6 +29,7 @@ FACTORS = {
     "contract.cl": ("SLACK R(0.5)", "inverse - R(4.0)"),
     "enclosure_affine.cl": ("R(2.5) * e",),
     "enclosure_interval.cl": ("R(2.5) * e",),
+    "frustum_fine.cl": ("R(4.1) * FINE_DEGREE",),
     "frustum_form.cl": (
         "R(2.0) * CUT_ERROR), cell->size, cell->error);",
         "R(2.0) * CUT_ERROR), cell->size, cell->error), *error",
@@ -48,6 +49,7 @@ STEERING = {
     "bisection.cl": {"R(8.0)": 1, "R(0.75)": 1, "R(2.0)": 1},
     "candidate.cl": {"R(0.25)": 1, "R(1.5)": 1, "R(1.25)": 1},
     "contract.cl": {"R(4.0)": 1, "R(8.0)": 1, "R(0.75)": 1, "R(0.0625)": 1},
+    "frustum_fine.cl": {"R(0.0001)": 2, "R(0.45)": 1},
     "frustum_form.cl": {"R(0.0625)": 1, "R(0.515625)": 1, "R(0.0)": 2, "R(0.015625)": 1, "R(0.984375)": 1, "R(0.45)": 1, "R(8.0)": 1, "R(16.0)": 1},  # fmt: skip
     "frustum_knots.cl": {"R(0.125)": 2, "R(0.25)": 1},
     "frustum_rays.cl": {"R(2.0)": 1},  # from -reach to reach
