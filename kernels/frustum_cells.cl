@@ -3,8 +3,8 @@
 // A tile's cells come front to back; what lies between them is proven free of zeros (cpp/numerics/frustum_form.h). The method's own
 // file finds the first root within a cell. Coefficients of a cell are scaled to lie within [-2, 2], with one bound of their error.
 //
-// tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they begin. slabs: s at
-// its near end, its length, its error. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
+// tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they and those of
+// frustum_fine.cl begin. slabs: s at its near end, its length, its error and that of frustum_fine.cl. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
 // `terms` polynomials and their slopes at the centres of a tile's pixels.
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, that of the frame before, and the eps of a search before refinement
 #define ACROSS (basis + 16)
@@ -19,7 +19,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   ROOT root;
   root.status = MISS;
   root.half_width = (F)0;
+#if IRT_FINE
+  root.at = (FW)0;
+#else
   F at = (F)0, at_near = (F)0, at_length = (F)0;
+#endif
 #if IRT_GRADIENT_FOUND
   root.gx = root.gy = root.gz = (F)0;
 #endif
@@ -37,20 +41,20 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const F before = TO_F(LOAD(previous + pixel_row * previous_pitch + first)) / NARROW(ray->length) - (F)VIEW(13);
 #endif
   for (int k = on_screen ? tiles[tile] : 0; k < end && ANY(active); ++k) {
-    const real near = slabs[3 * k], length = slabs[3 * k + 1], inverse = R(1.0) / length;
+    const real near = slabs[4 * k], length = slabs[4 * k + 1], inverse = R(1.0) / length;
     const F slack = (F)(R(8.0) * ULP * max(RADIUS * inverse, R(1.0)));
     CELL cell;
     cell.lo = clamp((range->out0 - near) * inverse - slack, (F)0, (F)1);
     cell.hi = clamp((range->out1 - near) * inverse + slack, (F)0, (F)1);
     const I lanes = active & LT(cell.lo, cell.hi);
     if (!ANY(lanes)) continue;
-    const int down = shapes[3 * k], across = shapes[3 * k + 1];
-    __global const real* here = form + (size_t)shapes[3 * k + 2] * CELL_STEP;
+    const int down = shapes[4 * k], across = shapes[4 * k + 1];
+    __global const real* here = form + (size_t)shapes[4 * k + 2] * CELL_STEP;
     real plane[N * IRT_MOST_TERMS + W];
     contract_row(here, row, ACROSS, down, N * across, plane);
     contract_columns(plane, column, ACROSS, across, cell.c);
 #if IRT_OUTWARD
-    cell.error = (F)slabs[3 * k + 2];
+    cell.error = (F)slabs[4 * k + 2];
 #else
     cell.error = (F)0;
 #endif
@@ -70,10 +74,15 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     if (!ANY(ended)) continue;
     const F middle = place_of(&found), s = fma(middle, (F)length, (F)near);
     root.status = SELECT(ended, status_of(&found), root.status);
+    root.half_width = SELECT(ended, max(found.hi - middle, middle - found.lo) * length * (R(1.0) + R(4.0) * ULP), root.half_width);
+#if IRT_FINE
+    root.at = SELECT_WIDE(ended, fma(WIDEN(middle), (FW)length, (FW)near), root.at);
+    if (ANY(found.hits)) refine(ray, &root, found.hits, q, near, length, slabs[4 * k + 3], column, row, fine_form + (size_t)shapes[4 * k + 3] * CELL_STEP, fine_basis);
+#else
     at = SELECT(ended, middle, at);
     at_near = SELECT(ended, (F)near, at_near);
     at_length = SELECT(ended, (F)length, at_length);
-    root.half_width = SELECT(ended, max(found.hi - middle, middle - found.lo) * length * (R(1.0) + R(4.0) * ULP), root.half_width);
+#endif
 #if IRT_GRADIENT_FOUND
     if (ANY(shown)) {
       F slopes[N];
@@ -97,13 +106,12 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #endif
     active &= ~ended;
   }
+#if !IRT_FINE
   // The ends of slabs are exact.
   root.at = fma(WIDEN(at), WIDEN(at_length), WIDEN(at_near));
+#endif
 #if !IRT_SPLIT
   root.half_width += ULP * (F)RADIUS;
-#endif
-#if IRT_FINE
-  if (on_screen && ANY(EQ(root.status, HIT))) refine(ray, &root, q, tile, column, row, FINE_PASS);
 #endif
 #if IRT_PIECES
   root.pieces = found.pieces;

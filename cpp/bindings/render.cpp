@@ -173,6 +173,7 @@ py::dict answer_dict(const render::Answer& a) {
   d["width"] = a.width;
   d["engine"] = "kernel";
   d["marched"] = a.marched;
+  d["in_double"] = a.in_double;
   d["builds"] = a.builds;
   d["escalated"] = a.escalated;
   d["by_reference"] = a.by_reference;

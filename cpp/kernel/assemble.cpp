@@ -298,9 +298,7 @@ std::string assemble_frustum(const Spec& spec) {
       binomials("real", "binomials", spec.degree, spec.precision == Precision::Double) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
                           "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n")
-            : fmt::format("#define FINE_ARGUMENTS __global const int *fine_tiles, __global const int *fine_shapes, __global const wide *fine_slabs, "
-                          "__global const wide *fine_form, __global const wide *fine_basis\n"
-                          "#define FINE_PASS fine_tiles, fine_shapes, fine_slabs, fine_form, fine_basis\n"
+            : fmt::format("#define FINE_ARGUMENTS __global const wide *fine_form, __global const wide *fine_basis\n#define FINE_PASS fine_form, fine_basis\n"
                           "#define FORM_ARGUMENTS __global const int *tiles, __global const int *shapes, __global const real *slabs, __global const real *form, "
                           "__global const real *basis, const int terms, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows{}{}\n"
                           "#define ARGUMENTS_PASS , tiles, shapes, slabs, form, basis, terms, tile_x0, tile_y0, tile_columns, tile_rows{}{}\n",

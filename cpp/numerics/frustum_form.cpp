@@ -52,16 +52,29 @@ struct Storage {
   }
 };
 
-// What one thread has found: leaves, and their coefficients as kernels take them, one behind the other.
+// Coefficients one behind the other.
+struct Row {
+  Storage storage;
+  std::size_t used = 0;  // bytes
+
+  // Room for so many bytes, and some more that whole vectors may be written to; what follows overwrites them.
+  std::byte* add(std::size_t bytes) {
+    storage.grow(used + bytes + kLanes * sizeof(double), used);
+    return storage.bytes.get() + std::exchange(used, used + bytes);
+  }
+};
+
+// What one thread has found: leaves, and their coefficients as kernels take them.
 struct Found {
   struct Leaf {
     int x, y;
     Cells::Cell cell;
   };
-  std::vector<Leaf> leaves;  // their `begin` is how long they are
-  Storage coefficients;
-  std::size_t used = 0;  // bytes
+  std::vector<Leaf> leaves;  // `begin` and `exact_begin` are how long they are
+  Row coefficients, exact;
 };
+
+std::size_t steps_of(std::size_t count) { return (count + kCellStep - 1) / kCellStep; }
 
 // Coefficients as hi + lo; lo is absent where double is enough.
 struct Form {
@@ -113,14 +126,15 @@ class Cutter {
     if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
     if (form.lo && level >= precise_) {
       // In double; and where that fails, once more a cut further on.
-      const std::size_t leaves = found_.leaves.size(), used = found_.used;
+      const std::size_t leaves = found_.leaves.size(), used = found_.coefficients.used, exact = found_.exact.used;
       const std::vector<bool> full = full_;
       const Form copy{at_level(level + 1).hi, nullptr};
       std::copy_n(form.hi, size_, copy.hi);
       strict_ = level < kPreciseCuts;
       if (cut(block, copy, extent, known, level + 1)) return true;
       found_.leaves.resize(leaves);
-      found_.used = used;
+      found_.coefficients.used = used;
+      found_.exact.used = exact;
       full_ = full;
       precise_ = level + 1;
     }
@@ -226,9 +240,8 @@ class Cutter {
       }
     if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
     const std::size_t depth = static_cast<std::size_t>(demand_.depth) + 1, down = demand_.reduced ? reduced_.down : n_, across = demand_.reduced ? reduced_.across : n_;
-    const std::size_t count = (down * depth * across + kCellStep - 1) / kCellStep * kCellStep, real = demand_.single() ? sizeof(float) : sizeof(double);
-    found_.coefficients.grow(found_.used + count * real + kLanes * sizeof(double), found_.used);
-    std::byte* const to = found_.coefficients.bytes.get() + found_.used;
+    const std::size_t steps = steps_of(down * depth * across), real = demand_.single() ? sizeof(float) : sizeof(double);
+    std::byte* const to = found_.coefficients.add(steps * kCellStep * real);
     const double* const from = demand_.reduced ? reduced_.values.data() : form.hi;
     const std::size_t lines = demand_.reduced ? reduction_.padded() : m_;
     if (demand_.single()) {
@@ -236,11 +249,17 @@ class Cutter {
     } else {
       pack(from, down * depth, across, lines, scale, reinterpret_cast<double*>(to));
     }
-    found_.used += count * real;
     // Coefficients and both bases are rounded once, and each sum once a term; a term more for the rest.
-    const double weight = demand_.reduced ? reduced_.weight : largest, lost = demand_.reduced ? reduced_.error : 0;
-    const double bound = kept + scale * (lost + static_cast<double>(down + across + 4) * demand_.unit * weight);
-    found_.leaves.push_back({x_, b.y0, {at(b.first), at(b.last), bound, static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(count / kCellStep)}});
+    const auto bound = [&](std::size_t terms, double unit, double weight, double lost) { return kept + scale * (lost + static_cast<double>(terms + 4) * unit * weight); };
+    Cells::Cell cell{at(b.first), at(b.last), bound(down + across, demand_.unit, demand_.reduced ? reduced_.weight : largest, demand_.reduced ? reduced_.error : 0),
+                     static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(steps)};
+    if (demand_.exact) {
+      const std::size_t exact_steps = steps_of(n_ * n_ * n_);
+      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(found_.exact.add(exact_steps * kCellStep * sizeof(double))));
+      cell.exact_error = bound(2 * n_, 0x1p-53, largest, 0);
+      cell.exact_begin = static_cast<std::int32_t>(exact_steps);
+    }
+    found_.leaves.push_back({x_, b.y0, cell});
     return true;
   }
 
@@ -303,18 +322,22 @@ void Columns::split(int x, int span, Whole form, const Frustum& frustum) {
   split(x + span / 2, span / 2, std::move(second), frustum);
 }
 
-Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, const std::function<void*(std::size_t)>& room) {
+Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, const Space& room, const Space& exact_room) {
   const int columns = f.tile_x1 - f.tile_x0, rows = f.tile_y1 - f.tile_y0;
   Cells out;
   out.begins.assign(static_cast<std::size_t>(std::max(0, rows * columns)) + 1, 0);
   if (rows <= 0 || columns <= 0) {
     room(0);
+    if (demand.exact) exact_room(0);
     return out;
   }
   const Reduction reduction(forms.degree(), demand.depth);
   const std::size_t workers = crew_size();
   std::vector<Found> found(workers);
-  for (Found& part : found) part.coefficients = spare().take();
+  for (Found& part : found) {
+    part.coefficients.storage = spare().take();
+    if (demand.exact) part.exact.storage = spare().take();
+  }
   std::atomic<std::size_t> next{0};
   by_crew([&](std::size_t worker) {
     Cutter cutter(f, demand, forms.degree(), reduction, found[worker]);
@@ -337,19 +360,23 @@ Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, con
       places[worker].push_back(at[f.tile_index(leaf.x, leaf.y)]++);
       out.cells[places[worker].back()] = leaf.cell;
     }
-  std::int32_t steps = 0;
-  for (auto& cell : out.cells) steps += std::exchange(cell.begin, steps);
-  const std::size_t bytes = kCellStep * (demand.single() ? sizeof(float) : sizeof(double));
-  auto* const to = static_cast<std::byte*>(room(static_cast<std::size_t>(steps) * kCellStep));
-  for (std::size_t worker = 0; worker < workers; ++worker) {
-    const std::byte* from = found[worker].coefficients.bytes.get();
-    for (std::size_t k = 0; k < places[worker].size(); ++k) {
-      const std::size_t size = static_cast<std::size_t>(found[worker].leaves[k].cell.begin) * bytes;
-      std::copy_n(from, size, to + static_cast<std::size_t>(out.cells[places[worker][k]].begin) * bytes);
-      from += size;
+  // All coefficients of one kind, in the order of the cells.
+  const auto gather = [&](std::int32_t Cells::Cell::*begin, Row Found::*coefficients, std::size_t real, const Space& space) {
+    std::int32_t steps = 0;
+    for (auto& cell : out.cells) steps += std::exchange(cell.*begin, steps);
+    auto* const to = static_cast<std::byte*>(space(static_cast<std::size_t>(steps) * kCellStep));
+    for (std::size_t worker = 0; worker < workers; ++worker) {
+      const std::byte* from = (found[worker].*coefficients).storage.bytes.get();
+      for (std::size_t k = 0; k < places[worker].size(); ++k) {
+        const std::size_t bytes = static_cast<std::size_t>(found[worker].leaves[k].cell.*begin) * kCellStep * real;
+        std::copy_n(from, bytes, to + static_cast<std::size_t>(out.cells[places[worker][k]].*begin) * kCellStep * real);
+        from += bytes;
+      }
+      spare().give(std::move((found[worker].*coefficients).storage));
     }
-  }
-  for (Found& part : found) spare().give(std::move(part.coefficients));
+  };
+  gather(&Cells::Cell::begin, &Found::coefficients, demand.single() ? sizeof(float) : sizeof(double), room);
+  if (demand.exact) gather(&Cells::Cell::exact_begin, &Found::exact, sizeof(double), exact_room);
   return out;
 }
 

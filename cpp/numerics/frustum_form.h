@@ -76,6 +76,8 @@ struct Cells {
     double error;      // bounds that of any value along a ray, rounding to the kernel's reals and contraction included; values lie within [-2, 2]
     std::int32_t down, across;  // lines of coefficients, and how many there are in each
     std::int32_t begin;         // in steps of kCellStep reals
+    double exact_error = 0;     // Demand::exact: of the form in doubles, as `error`,
+    std::int32_t exact_begin = 0;  // and where it begins
   };
   std::vector<std::int32_t> begins;  // of each tile in `cells`, row by row, and the end
   std::vector<Cell> cells;
@@ -86,18 +88,20 @@ constexpr std::size_t kCellStep = 16;
 constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
 
 // What kernels take: half an ulp of their reals, the width of depth that is asked for, the degree along the depth; whether cells are reduced: then
-// they have Chebyshev polynomials across and down, else Bernstein's; and the tiles that are asked for, row by row, where it is not all of them.
+// they have Chebyshev polynomials across and down, else Bernstein's; whether each is wanted in doubles as well, not reduced; and the tiles that are asked for, row by row, where it is not all of them.
 struct Demand {
   double unit, eps;
   int depth;
   bool reduced;
+  bool exact = false;
   const std::vector<bool>* tiles = nullptr;
   bool few = false;  // whether few pixels are: then cells are longer
 
   bool single() const { return unit > 0x1p-53; }
 };
 
-// The cells of f over the frustum. `room` is asked once for memory for so many coefficients; cells are [down][depth][across].
-Cells cells_of(const Columns& columns, const Frustum& frustum, const Demand& demand, const std::function<void*(std::size_t)>& room);
+// The cells of f over the frustum, [down][depth][across]. `room` is asked once for memory for so many coefficients, `exact_room` for those in doubles.
+using Space = std::function<void*(std::size_t)>;
+Cells cells_of(const Columns& columns, const Frustum& frustum, const Demand& demand, const Space& room, const Space& exact_room = {});
 
 }  // namespace irt::numerics

@@ -126,6 +126,7 @@ struct Answer {
   std::size_t by_reference = 0;  // of these, those that the reference was asked about
   std::array<std::size_t, 4> counts{};  // by status
   std::size_t wide_hits = 0;            // HITs wider than eps
+  bool in_double = false;  // from the start, though the call left that open
   bool marched = false;  // the frustum form was refused, and contraction ran (Options::or_march)
   std::uint64_t builds = 0;
   double prepare_seconds = 0;  // coefficients, on the host

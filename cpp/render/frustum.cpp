@@ -33,6 +33,11 @@ constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 
 constexpr int kReducedDegree = 8;
 // Polynomials of this degree have cells of fewer coefficients.
 constexpr int kLeastReduced = 7;
+// Roots are refined up to this degree, and above where there are so many pixels: smaller pictures spend more on cells for that than on a search in double.
+constexpr int kRefinedAnywhere = 7;
+constexpr std::size_t kRefinedPixels = 1 << 18;
+// By how many times the bracket that is wanted cells may blur a root before it is refined: few roots lie where cells blur most.
+constexpr double kFineBlur = 10;
 constexpr std::size_t kFormStep = 1 << 16, kMoreVectors = 4;
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
@@ -150,10 +155,10 @@ int depth_degree(int degree, const Options& options, Precision precision) {
 
 // Cells as buffers: slabs, shapes and forms, and some vectors more, since kernels load whole ones.
 struct Forms {
-  std::size_t tile_count;
   Memory tiles, shapes;
   Reals slabs;
   Memory form;
+  std::optional<Memory> exact_form;
 };
 
 numerics::Demand demand_of(const numerics::Columns& columns, Precision precision, double eps, int depth) {
@@ -163,23 +168,27 @@ numerics::Demand demand_of(const numerics::Columns& columns, Precision precision
 // For packets of `width`.
 Forms forms_of(const numerics::Columns& columns, const Screen& screen, const numerics::Demand& demand, int width) {
   const Precision precision = demand.single() ? Precision::Single : Precision::Double;
-  std::optional<Memory> form;
-  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, demand, [&](std::size_t count) {
+  std::optional<Memory> form, exact;
+  const auto space = [&](std::optional<Memory>& memory, std::size_t size) {
     // Room for whole steps, so that the next frame can often have the same block.
-    const std::size_t size = size_of(precision), more = kMoreVectors * static_cast<std::size_t>(width);
-    form.emplace((count + more + kFormStep - 1) / kFormStep * kFormStep * size);
-    std::memset(form->as<std::byte>() + count * size, 0, more * size);
-    return form->data();
-  });
+    return [&memory, size, more = kMoreVectors * static_cast<std::size_t>(width)](std::size_t count) {
+      memory.emplace((count + more + kFormStep - 1) / kFormStep * kFormStep * size);
+      std::memset(memory->as<std::byte>() + count * size, 0, more * size);
+      return memory->data();
+    };
+  };
+  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, demand, space(form, size_of(precision)), space(exact, sizeof(double)));
   const std::size_t count = cells.cells.size();
-  Forms out{cells.begins.size() - 1, Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(3 * count * sizeof(std::int32_t)), Reals(precision, 3 * count), *form};
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(4 * count * sizeof(std::int32_t)), Reals(precision, 4 * count), *form, exact};
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
   for (std::size_t m = 0; m < count; ++m) {
     const auto& cell = cells.cells[m];
-    out.slabs.set(3 * m, cell.near);
-    out.slabs.set(3 * m + 1, cell.far - cell.near);
-    out.slabs.set_above(3 * m + 2, cell.error);
-    std::copy_n(&cell.down, 3, out.shapes.as<std::int32_t>() + 3 * m);
+    out.slabs.set(4 * m, cell.near);
+    out.slabs.set(4 * m + 1, cell.far - cell.near);
+    out.slabs.set_above(4 * m + 2, cell.error);
+    out.slabs.set_above(4 * m + 3, cell.exact_error);
+    const std::int32_t shape[] = {cell.down, cell.across, cell.begin, cell.exact_begin};
+    std::copy_n(shape, 4, out.shapes.as<std::int32_t>() + 4 * m);
   }
   return out;
 }
@@ -278,21 +287,14 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
   const bool fine = spec.fine_terms > 0;
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, fine ? Precision::Double : precision, options);
-  numerics::Demand demand = demand_of(columns_of_tiles, precision, fine ? options.first_eps : options.eps, spec.degree);
+  numerics::Demand demand = demand_of(columns_of_tiles, precision, fine ? kFineBlur * options.first_eps : options.eps, spec.degree);
   demand.tiles = wanted;
   demand.few = packets && options.first_eps == 0;  // long slabs leave open what is to be narrowed further
+  demand.exact = fine;
   const Forms forms = forms_of(columns_of_tiles, screen, demand, spec.width);
   const Reals basis = basis_of(screen, degree, options, precision);
-  std::optional<Forms> exact;  // to refine roots by, in the tiles that may have any
-  std::optional<Reals> exact_basis;
-  if (fine) {
-    std::vector<bool> tiles(forms.tile_count);
-    for (std::size_t k = 0; k < tiles.size(); ++k) tiles[k] = forms.tiles.as<std::int32_t>()[k] < forms.tiles.as<std::int32_t>()[k + 1];
-    demand = demand_of(columns_of_tiles, Precision::Double, options.eps, degree);
-    demand.tiles = &tiles;
-    exact.emplace(forms_of(columns_of_tiles, screen, demand, spec.width));
-    exact_basis.emplace(basis_of(screen, degree, options, Precision::Double));
-  }
+  std::optional<Reals> exact_basis;  // to refine roots by
+  if (fine) exact_basis.emplace(basis_of(screen, degree, options, Precision::Double));
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device);
   std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)};
@@ -303,21 +305,17 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
     pixels = device.buffer(list->data(), list->bytes(), device::Access::read);
     inputs.emplace_back(pixels.get());
   }
-  std::vector<device::Arg> more;
-  std::vector<std::unique_ptr<device::Buffer>> read;
-  const auto reads = [&](const Forms& cells, const Reals& polynomials) {
-    const auto memory = [&](const Memory& m) { return device.buffer(m.data(), m.bytes(), device::Access::read); };
-    const auto add = [&](std::unique_ptr<device::Buffer> buffer) { more.emplace_back(read.emplace_back(std::move(buffer)).get()); };
-    add(memory(cells.tiles));
-    add(memory(cells.shapes));
-    add(cells.slabs.buffer(device));
-    add(memory(cells.form));
-    add(polynomials.buffer(device));
-  };
   const numerics::Frustum& f = screen.frustum;
-  reads(forms, basis);
-  more.insert(more.end(), {degree + 1, f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0});
-  if (exact) reads(*exact, *exact_basis);
+  const auto tiles = device.buffer(forms.tiles.data(), forms.tiles.bytes(), device::Access::read),
+             shapes = device.buffer(forms.shapes.data(), forms.shapes.bytes(), device::Access::read), slabs = forms.slabs.buffer(device),
+             form = device.buffer(forms.form.data(), forms.form.bytes(), device::Access::read), values = basis.buffer(device);
+  std::vector<device::Arg> more{tiles.get(), shapes.get(), slabs.get(), form.get(), values.get(), degree + 1, f.tile_x0, f.tile_y0, f.tile_x1 - f.tile_x0, f.tile_y1 - f.tile_y0};
+  std::unique_ptr<device::Buffer> exact, exact_values;
+  if (fine) {
+    exact = device.buffer(forms.exact_form->data(), forms.exact_form->bytes(), device::Access::read);
+    exact_values = exact_basis->buffer(device);
+    more.insert(more.end(), {exact.get(), exact_values.get()});
+  }
   std::unique_ptr<device::Buffer> before;
   if (options.previous) {
     before = device.buffer(options.previous->depth.data(), options.previous->depth.bytes(), device::Access::read);
@@ -387,12 +385,11 @@ Options marching(Options options) {
   return options;
 }
 
-Answer frustum_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
+Answer frustum_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, Options options,
                       device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
   // Zeros that a clip formula passes over are judged later, by apply_clip.
   const Formulas unclipped{formulas.f, {}, formulas.parameters};
-  const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   std::optional<Screen> screen;
   std::optional<numerics::Columns> columns;
   int degree;
@@ -407,9 +404,16 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     answer.marched = true;
     return answer;
   }
+  const bool in_double = options.first_eps > 0 && degree > kRefinedAnywhere && static_cast<std::size_t>(view.columns) * static_cast<std::size_t>(view.rows) < kRefinedPixels;
+  if (in_double) {
+    options.first_eps = 0;
+    options.precision = PrecisionMode::Double;
+  }
+  const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   const double prepared = seconds_since(start);
   Answer answer = pass(*columns, *screen, view, bounds, options, device, first);
   answer.prepare_seconds += prepared;
+  answer.in_double = in_double;
   if (options.precision == PrecisionMode::Single || !device.info().fp64 || !options.outward || answer.outcome != device::Outcome::done) return answer;
   std::vector<std::size_t> open = undecided(answer, options);
   const std::size_t pixels = answer.columns * answer.rows;

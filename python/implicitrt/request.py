@@ -134,7 +134,7 @@ def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, start
         method=method,
         reason=reason, guarantee=request["guarantee"], proven=proven, algebra=request["algebra"],
         device=device.name, driver=device.driver, engine=result["engine"],
-        precision="double" if double and request["precision"] == "double" else
+        precision="double" if double and (request["precision"] == "double" or result["in_double"]) else
                   "single and double" if double else "single",
         width=result["width"], rounding=request["rounding"], builds=int(result["builds"]),
         seconds={"parse": parsed - started - sum(driver.values()), **driver, **result["seconds"], "total": time.perf_counter() - started},

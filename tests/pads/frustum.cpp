@@ -186,7 +186,6 @@ CONTRACT(form_report) { return Part(true, rng).report(); }
 
 #if VARIANT == 0
 #define FINE_TERMS 4
-#define FINE_ARGUMENTS const int *fine_tiles, const int *fine_shapes, const wide *fine_slabs, const wide *fine_form, const wide *fine_basis
 const wide fine_binomials[] = {1, 3, 3, 1};
 // The coefficients themselves.
 void contract_fine_row(const wide*, int, const wide*, int, int, wide*) {}
@@ -218,18 +217,16 @@ CONTRACT(refine) {
   };
   real q[32] = {};
   q[6] = rounded(rng.size(-6, 6));
-  const double near = q[6] * rng.between(-1, 0.9), length = (q[6] - near) * std::exp2(-rng.between(0, 6));
+  const real near = rounded(q[6] * rng.between(-1, 0.9)), length = rounded((q[6] - near) * std::exp2(-rng.between(0, 6)));
   RAY ray;
   ray.length = rounded(rng.size(0, 1));
   ROOT root;
   root.status = HIT;
   root.half_width = rounded(length * rng.size(-24, -4));
-  root.at = near + length * first + rng.between(-0.9, 0.9) * root.half_width.v;
+  root.at = near + double(length) * first + rng.between(-0.9, 0.9) * root.half_width.v;
   q[8] = rounded(root.half_width.v * std::exp2(-rng.between(0, 24)));
   const ROOT before = root;
-  const int tiles[] = {0, 1}, shapes[] = {4, 4, 0};
-  const wide slabs[] = {near, length, 0};
-  refine(&ray, &root, q, 0, 0, 0, tiles, shapes, slabs, basis, basis);
+  refine(&ray, &root, ALL, q, near, length, 0, 0, 0, basis, basis);
   if (root.half_width == before.half_width) return true;
   const F reach = (F)(R(0.45) * q[8]) / NARROW(ray.length);
   if (!at_most(of(reach) * (1 + exact(0x1p-23)), of(root.half_width))) return false;  // room for the rounding of a product (results.cl)

@@ -178,6 +178,37 @@ CONTRACT(results) {
   return true;
 }
 
+#if VARIANT == 0
+// The same of depths in double, of roots that are refined (frustum_fine.cl); the half width has room for the rounding of a product.
+namespace fine {
+#undef IRT_FINE
+#define IRT_FINE 1
+#include "results.cl"
+}  // namespace fine
+
+CONTRACT(results_fine) {
+  Told told(rng);
+  told.set(6, rng.size(0, 4), rng);
+  told.terms[1][7] = told.radius * (rng.chance(0.4) ? rng.between(-1, 1) : rng.sign() * rng.size(0, 10));
+  if (rng.chance(0.4)) told.set_pad(told.radius * rng.size(-50, -15), rng);
+  const RAY ray = told.ray();
+  ROOT found;
+  found.status = HIT;
+  const double s = told.radius * rng.between(-1, 1);
+  found.at = s;
+  found.half_width = rounded(told.radius * rng.size(-60, 0));
+  double depth, uncertainty;
+  uchar status;
+  fine::write_results(&ray, &found, 0, told.q, &depth, &uncertainty, &status);
+  const exact length = root_of(told.term(6)), half = of(found.half_width) / (1 + exact(0x1p-22));
+  for (const exact c : {exact(s) - half, exact(s) + half}) {
+    const exact t = (exact(told.terms[1][7]) + c) * length + told.host;
+    if (t >= 0 && !at_most(magnitude(t - depth), uncertainty)) return false;
+  }
+  return true;
+}
+#endif
+
 // What `report` says of the units lo to hi, in s. What a sum of doubles loses, the ulp of t in results.cl has room for.
 CONTRACT(report) {
   Told told(rng);

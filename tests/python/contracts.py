@@ -29,12 +29,13 @@ FACTORS = {
     "contract.cl": ("SLACK R(0.5)", "inverse - R(4.0)"),
     "enclosure_affine.cl": ("R(2.5) * e",),
     "enclosure_interval.cl": ("R(2.5) * e",),
-    "frustum_fine.cl": ("R(4.1) * FINE_DEGREE",),
+    "frustum_fine.cl": ("R(4.4) * FINE_DEGREE",),
     "frustum_form.cl": (
         "R(2.0) * CUT_ERROR), cell->size, cell->error);",
         "R(2.0) * CUT_ERROR), cell->size, cell->error), *error",
     ),
     "path.cl": ("INWARD R(1.75)", "ALONG_ERROR R(1.05)", "ALONG_ERROR R(1.55)", "R(2.0) * fma((F)(REPORT_ERROR"),
+    "results.cl": ("R(4.0) * R(0x1p-52)",),
     "scene.cl": ("DEPTH_ERROR R(0.75)", "DEPTH_ERROR R(4.0)"),
 }
 # Times ULP, but no pads: where a search ends or a wish begins, whatever is proven.
@@ -49,7 +50,7 @@ STEERING = {
     "bisection.cl": {"R(8.0)": 1, "R(0.75)": 1, "R(2.0)": 1},
     "candidate.cl": {"R(0.25)": 1, "R(1.5)": 1, "R(1.25)": 1},
     "contract.cl": {"R(4.0)": 1, "R(8.0)": 1, "R(0.75)": 1, "R(0.0625)": 1},
-    "frustum_fine.cl": {"R(0.0001)": 2, "R(0.45)": 1},
+    "frustum_fine.cl": {"R(0.001)": 1, "R(0.45)": 1},
     "frustum_form.cl": {"R(0.0625)": 1, "R(0.515625)": 1, "R(0.0)": 2, "R(0.015625)": 1, "R(0.984375)": 1, "R(0.45)": 1, "R(8.0)": 1, "R(16.0)": 1},  # fmt: skip
     "frustum_knots.cl": {"R(0.125)": 2, "R(0.25)": 1},
     "frustum_rays.cl": {"R(2.0)": 1},  # from -reach to reach
@@ -199,7 +200,8 @@ CONTRACTS = {
     ("path.cl", "report"): ("report", "results"),
     ("ray_camera.cl", "AXIS"): ("ray_camera", "position", "enclose_bare"),
     ("ray_list.cl", "AXIS_ERROR"): ("ray_list", "interval"),
-    ("results.cl", "write_results"): ("results",),
+    ("results.cl", "DEPTH_ROUNDING"): ("results_fine",),
+    ("results.cl", "write_results"): ("results", "results_fine"),
     ("scene.cl", "DEPTH_ERROR"): ("results",),
     ("sharpen.cl", "sharpen_packet"): ("sharpen",),
 }

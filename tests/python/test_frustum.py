@@ -260,7 +260,7 @@ def test_frames_touch_double_surfaces(method: str) -> None:
     assert irt.render("(x^2 + y^2 + z^2 - 1)^2", max_pieces=1, **call).stats.counts["UNRESOLVED"] > 100
 
 
-@pytest.mark.parametrize("name", ["sphere", "cayley", "labs_7", "barth_decic", "heart"])
+@pytest.mark.parametrize("name", ["sphere", "cayley", "barth_sextic", "labs_7"])
 def test_roots_are_refined_in_double(name: str) -> None:
     """Below what single precision resolves it proves brackets, and double narrows each down at once."""
     surface = irt.surfaces[name]
@@ -278,6 +278,14 @@ def test_roots_are_refined_in_double(name: str) -> None:
     # Few need a pass of their own, but where tiles are a quarter of the picture.
     larger = irt.render(surface, size=(256, 192), method="frustum-newton", eps=eps, outputs=())
     assert larger.stats.escalated < 0.1 * larger.stats.counts["HIT"]
+
+
+def test_high_degrees_are_refined_in_large_pictures_only() -> None:
+    """Cells for that take longer than a search in double does there (docs/performance.md)."""
+    surface = irt.surfaces["chmutov_8"]
+    for size, precision in (((128, 128), "double"), ((512, 512), "single and double")):
+        frame = irt.render(surface, size=size, method="frustum-newton", eps=1e-6, outputs=())
+        assert frame.stats.precision == precision and frame.stats.wide == 0
 
 
 def test_no_root_outside_the_bounds_is_refined_into_them() -> None:
