@@ -74,7 +74,7 @@ struct Found {
   Row coefficients, exact;
 };
 
-std::size_t steps_of(std::size_t count) { return (count + kCellStep - 1) / kCellStep; }
+std::size_t cell_steps(std::size_t count) { return (count + kCellStep - 1) / kCellStep; }
 
 // Coefficients as hi + lo; lo is absent where double is enough.
 struct Form {
@@ -240,7 +240,7 @@ class Cutter {
       }
     if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
     const std::size_t depth = static_cast<std::size_t>(demand_.depth) + 1, down = demand_.reduced ? reduced_.down : n_, across = demand_.reduced ? reduced_.across : n_;
-    const std::size_t steps = steps_of(down * depth * across), real = demand_.single() ? sizeof(float) : sizeof(double);
+    const std::size_t steps = cell_steps(down * depth * across), real = demand_.single() ? sizeof(float) : sizeof(double);
     std::byte* const to = found_.coefficients.add(steps * kCellStep * real);
     const double* const from = demand_.reduced ? reduced_.values.data() : form.hi;
     const std::size_t lines = demand_.reduced ? reduction_.padded() : m_;
@@ -254,7 +254,7 @@ class Cutter {
     Cells::Cell cell{at(b.first), at(b.last), bound(down + across, demand_.unit, demand_.reduced ? reduced_.weight : largest, demand_.reduced ? reduced_.error : 0),
                      static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(steps)};
     if (demand_.exact) {
-      const std::size_t exact_steps = steps_of(n_ * n_ * n_);
+      const std::size_t exact_steps = cell_steps(n_ * n_ * n_);
       pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(found_.exact.add(exact_steps * kCellStep * sizeof(double))));
       cell.exact_error = bound(2 * n_, 0x1p-53, largest, 0);
       cell.exact_begin = static_cast<std::int32_t>(exact_steps);
