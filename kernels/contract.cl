@@ -147,6 +147,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     sign = SELECT((skips | cutting) & GE(position, path.in0), SELECT(skips, tells, ahead), sign);
     from = position;
     to = position + step;
+    if (IRT_SHARPENS && !ANY(active)) break;  // as most packets do after one piece
     const I tried = active & proving;
 #if IRT_BEAMS
     if (beam) {

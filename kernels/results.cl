@@ -7,8 +7,7 @@
 #define PIECES_PASS
 #endif
 
-// Depths and their uncertainties: reals; or doubles, by root finders that refine
-// what packets of floats have found.
+// Depths and their uncertainties: reals; or doubles, where what packets of floats have found is narrowed down further.
 #if IRT_FINE
 typedef wide measure;
 typedef FW M;
@@ -50,14 +49,8 @@ typedef size_t PLACE;
 #define PUT(T, v, to) STORE(v, (to) + at)
 #endif
 
-// The same for rays that are known to miss.
-static inline void write_misses(const PLACE at, RESULTS_DECL) {
-  PUT(M, (M)INFINITY, depth);
-  PUT(BYTES, (BYTES)0, status);
-  PUT(M, (M)NAN, uncertainty);
-#if IRT_PIECES
-  PUT(UINT, (UINT)0, pieces);
-#endif
+// What is seen where rays miss.
+static inline void write_background(const PLACE at, RESULTS_DECL) {
 #if IRT_NORMAL
   PUT(FLOATS, (FLOATS)NAN, normal);
   PUT(FLOATS, (FLOATS)NAN, normal + (size_t)plane);
@@ -66,6 +59,17 @@ static inline void write_misses(const PLACE at, RESULTS_DECL) {
 #if IRT_RGB
   PUT(UINT, (UINT)background, rgba);
 #endif
+}
+
+// All of it for rays that are known to miss.
+static inline void write_misses(const PLACE at, RESULTS_DECL) {
+  PUT(M, (M)INFINITY, depth);
+  PUT(BYTES, (BYTES)0, status);
+  PUT(M, (M)NAN, uncertainty);
+#if IRT_PIECES
+  PUT(UINT, (UINT)0, pieces);
+#endif
+  write_background(at, RESULTS_PASS);
 }
 
 static inline void write_results(const RAY* ray, const ROOT* root, const PLACE at, __global const real* q, RESULTS_DECL PARAMETERS) {

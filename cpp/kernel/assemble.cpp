@@ -43,7 +43,7 @@ std::string prelude(const Spec& spec) {
     define("IRT_RGB", spec.rgb);
     define("IRT_PIECES", spec.pieces);
     define("IRT_SPLIT", spec.split);
-    define("IRT_FINE", spec.fine_terms > 0);
+    define("IRT_FINE", spec.wide_results);
     define("IRT_BEAMS", spec.beams);
     define("IRT_SHARPENS", spec.sharpens);
     if (spec.beams) {

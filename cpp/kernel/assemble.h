@@ -47,7 +47,8 @@ struct Spec {
   bool rgb = false;
   bool pieces = false;   // counted, ray by ray
   bool beams = false;    // the camera's rays start where beams end; needs kernels/contract.cl
-  bool sharpens = false; // rays are the brackets of a frame before (kernels/sharpen.cl)
+  bool wide_results = false;  // depths and uncertainties are doubles, though packets are floats; needs split
+  bool sharpens = false; // rays are the brackets that such a kernel has found (kernels/sharpen.cl)
   bool along = false;    // with the derivative along the ray (program::along), by which roots are isolated
   bool slack = false;    // with arithmetic without pads and a bound of its rounding, where there is one (program::emit_slack)
   // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.

@@ -19,15 +19,18 @@ bool beams_in(const Options& options, std::size_t pixels) {
 }
 
 Answer pass(const program::Program& program, const View& view, const Bounds& bounds, const Options& options, device::Device& device,
-            Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch, const Answer* before = nullptr) {
+            Precision precision, const std::vector<std::size_t>* pixels, std::size_t pitch, std::optional<Answer> before = {}) {
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, pixels ? kernel::Entry::PixelList : kernel::Entry::Camera);
-  spec.sharpens = before != nullptr;
+  spec.sharpens = before.has_value();
+  spec.wide_results = options.first_eps > 0 && precision == Precision::Single;
   spec.beams = !pixels && !before && beams_in(options, static_cast<std::size_t>(view.columns) * view.rows);
   const Precision wide = spec.split ? Precision::Double : precision;
-  const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, spec.width);
+  // Rows are as long as those of what is narrowed down, whose packets are wider.
+  const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, before ? static_cast<int>(before->pitch) : spec.width);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
-  Answer answer = pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
-                         : make_answer(view.columns, view.rows, spec.width, precision, options);
+  Answer answer = before   ? std::move(*before)
+                  : pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
+                           : make_answer(view.columns, view.rows, spec.width, spec.wide_results ? Precision::Double : precision, options);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device);
   std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride),
                                   static_cast<std::int32_t>(terms.row_stride)};
@@ -38,16 +41,7 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
     list_buffer = device.buffer(list->data(), list->bytes(), device::Access::read);
     inputs.emplace_back(list_buffer.get());
   }
-  std::vector<device::Arg> more;
-  std::vector<std::unique_ptr<device::Buffer>> brackets;
-  if (before) {
-    for (const auto& m : {before->depth, before->uncertainty, before->status}) {
-      brackets.push_back(device.buffer(m->data(), m->bytes(), device::Access::read));
-      more.emplace_back(brackets.back().get());
-    }
-    more.emplace_back(static_cast<std::int32_t>(before->pitch));
-  }
-  launch(program, spec, std::move(inputs), settings, std::move(more), options, device, answer);
+  launch(program, spec, std::move(inputs), settings, {}, options, device, answer);
   return answer;
 }
 
@@ -63,17 +57,14 @@ Answer sharpened(const program::Program& program, const View& view, const Bounds
   Options bare = part(options, 0, 0.75);
   bare.eps = options.first_eps;
   bare.normal = bare.rgb = false;
-  const Answer before = pass(program, view, bounds, bare, device, Precision::Single, nullptr, 0);
+  Answer answer = pass(program, view, bounds, bare, device, Precision::Single, nullptr, 0);
+  const device::Outcome before = answer.outcome;
   Options rest = part(options, 0.75, 1);
-  // What is found is shaded, even if it is too late to find more.
-  if (before.outcome != device::Outcome::done) rest.control.deadline = std::chrono::steady_clock::time_point::max();
-  Answer answer = pass(program, view, bounds, rest, device, Precision::Double, nullptr, 0, &before);
-  if (answer.outcome == device::Outcome::done) answer.outcome = before.outcome;
-  answer.width = before.width;
-  answer.add_work_of(before);
-  for (std::size_t row = 0; answer.pieces && row < answer.rows; ++row)
-    for (std::size_t i = 0; i < answer.columns; ++i)
-      answer.pieces->as<std::uint32_t>()[row * answer.pitch + i] += before.pieces->as<std::uint32_t>()[row * before.pitch + i];
+  // What is found is narrowed down and shaded, even if it is too late to find more.
+  rest.control.deadline = std::chrono::steady_clock::time_point::max();
+  add_shading(answer, rest);
+  answer = pass(program, view, bounds, rest, device, Precision::Double, nullptr, 0, std::move(answer));
+  if (answer.outcome == device::Outcome::done) answer.outcome = before;
   return answer;
 }
 

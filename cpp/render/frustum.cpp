@@ -270,7 +270,10 @@ kernel::Spec cells_spec(const Options& options, const device::Device& device, Pr
   kernel::Spec spec = spec_of(options, device, precision, depth_degree(degree, options, precision), tile);
   spec.entry = entry;
   spec.previous = options.previous.has_value();
-  if (options.first_eps > 0 && spec.split && entry == kernel::Entry::Camera) spec.fine_terms = degree + 1;
+  if (options.first_eps > 0 && spec.split && entry == kernel::Entry::Camera) {
+    spec.fine_terms = degree + 1;
+    spec.wide_results = true;
+  }
   spec.spheres = static_cast<int>(bounds.balls.size());
   spec.half_spaces = static_cast<int>(bounds.half_spaces.size());
   return spec;

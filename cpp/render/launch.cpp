@@ -186,6 +186,12 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   return q;
 }
 
+void add_shading(Answer& a, const Options& options) {
+  const std::size_t n = a.pitch * a.rows;
+  if (options.normal) a.normal.emplace(3 * n * sizeof(float));
+  if (options.rgb) a.rgba.emplace(n * 4);
+}
+
 Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options) {
   Answer a;
   a.columns = columns;
@@ -197,8 +203,7 @@ Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Pr
   a.depth.emplace(n * size_of(precision));
   a.uncertainty.emplace(n * size_of(precision));
   a.status.emplace(n);
-  if (options.normal) a.normal.emplace(3 * n * sizeof(float));
-  if (options.rgb) a.rgba.emplace(n * 4);
+  add_shading(a, options);
   if (options.pieces) a.pieces.emplace(n * 4);
   if (options.control.deadline != std::chrono::steady_clock::time_point::max()) leave_open(a, n, options);
   return a;
@@ -282,7 +287,8 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
     buffers.push_back(std::move(b));
     return buffers.back().get();
   };
-  const auto output = [&](const Memory& m) { return outputs.emplace_back(keep(device.buffer(m.data(), m.bytes(), device::Access::write))); };
+  const auto access = spec.sharpens ? device::Access::read_write : device::Access::write;
+  const auto output = [&](const Memory& m) { return outputs.emplace_back(keep(device.buffer(m.data(), m.bytes(), access))); };
   args.emplace_back(keep(settings.buffer(device)));
   args.emplace_back(static_cast<std::int32_t>(answer.pitch));
   const bool finds = spec.entry != kernel::Entry::Neighbours;  // or only shades

@@ -53,6 +53,8 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
 
 // Rows of `answer` that hold `columns` results each.
 Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options);
+// Memory for normals and colours, where they are asked for.
+void add_shading(Answer& answer, const Options& options);
 
 // Counts the statuses, and the HITs that are wider than eps.
 void tally(Answer& answer, const Options& options);

@@ -60,24 +60,21 @@ CONTRACT(interval_direction) {
 RAY given;
 RANGE looked_at;
 RAY given_ray(RAY_DECL, const real*, size_t, size_t) { return given; }
-RANGE look_at(const RAY* ray, const real*) {
-  looked_at.out0 = ray->near_out, looked_at.out1 = ray->far_out, looked_at.in0 = ray->near_in, looked_at.in1 = ray->far_in;
-  return looked_at;
-}
-ROOT find_nothing(const RAY*, const RANGE*, const real*, const int FINDER) {
+ROOT look_at(const RAY*, const RANGE* range, const real*, const int FINDER) {
+  looked_at = *range;
   ROOT root;
   root.status = MISS;
   root.at = root.half_width = (F)0;
   return root;
 }
 #define make_ray given_ray
-#define clip_ray look_at
-#define find_root find_nothing
+#define find_root look_at
 #include "sharpen.cl"
 #undef make_ray
 
 CONTRACT(sharpen) {
   Told told(rng);
+  if (rng.chance(0.4)) told.set_pad(told.radius * rng.size(-50, -15), rng);
   given = told.ray();
   const double before = rng.chance(0.4) ? told.radius * rng.between(-1, 1) : told.radius * rng.size(0, 10);
   given.tau = before;
@@ -86,13 +83,17 @@ CONTRACT(sharpen) {
   given.near_out = given.near_in = -INF;
   const exact length = root_of(square);
   const double s = told.radius * rng.between(-1, 1);
-  const float t = static_cast<float>((before + s) * std::sqrt(square)), error = static_cast<float>(told.radius * rng.size(-26, -2));
-  const uchar status = 1;
-  real depth, uncertainty;
-  uchar found;
-  if (t < 0) return true;
-  sharpen_packet(0, 0, told.tables[0], 1, told.q, 1, 1, &depth, &uncertainty, &found, &t, &error, &status, 1);
-  const exact low = (exact(t) - error) / length - before, high = (exact(t) + error) / length - before;
+  // The bracket s +- half, and the least and the most that is said of it: contracts `report` and `results_fine`.
+  const exact half = told.radius * rng.size(-26, -2), wide = half * length;
+  real depth = ((F(before) + F(s)) * careful_sqrt(square)).v;
+  if (depth < 0) return true;
+  const exact off = magnitude(exact(depth) - (exact(before) + s) * length), least = wide + off, most = (wide + 0x1p-50 * exact(depth) + told.q[7]) * (1 + exact(0x1p-20));
+  const auto error = static_cast<float>(least + (most - least) * (rng.chance(0.5) ? rng.between(0, 1) : rng.chance(0.5)));
+  real uncertainty = error;
+  uchar status = 1;
+  if (!at_most(least, error) || !at_most(error, most)) return true;
+  sharpen_packet(0, 0, told.tables[0], 1, told.q, 1, 1, &depth, &uncertainty, &status);
+  const exact low = s - half, high = s + half;
   return at_most(of(looked_at.out0), low) && at_most(high, of(looked_at.out1)) && at_most(low, of(looked_at.in0)) && at_most(of(looked_at.in1), high);
 }
 #endif

@@ -205,7 +205,8 @@ CONTRACT(results_fine) {
     const exact t = (exact(told.terms[1][7]) + c) * length + told.host;
     if (t >= 0 && !at_most(magnitude(t - depth), uncertainty)) return false;
   }
-  return true;
+  // And no more than the rest of it.
+  return at_most(uncertainty, (of(found.half_width) * length + exact(0x1p-50) * depth + told.q[7]) * (1 + exact(0x1.8p-22)));
 }
 #endif
 
@@ -219,7 +220,8 @@ CONTRACT(report) {
   const ROOT found = report(&path, told.q, HIT, lo, hi);
   for (const F c : {lo, hi})
     if (!at_most(magnitude(place(path, of(c)) - of(found.at)), of(found.half_width) + (IRT_SPLIT ? told.radius * exact(0x1p-52) : 0))) return false;
-  return true;
+  // And of whole units hardly more: a part of what sharpen.cl takes off.
+  return !IRT_SPLIT || std::floor(hi.v) != hi.v || at_most(of(found.half_width), (of(hi) - of(lo)) / 2 * of(path.unit) * (1 + exact(0x1.4p-21)));
 }
 
 // A beam is clipped by what its rays are apart at most, of the widths that the tables have. Its ray is given, clipping is looked at.

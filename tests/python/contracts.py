@@ -37,6 +37,7 @@ FACTORS = {
     "path.cl": ("INWARD R(1.75)", "ALONG_ERROR R(1.05)", "ALONG_ERROR R(1.55)", "R(2.0) * fma((F)(REPORT_ERROR"),
     "results.cl": ("R(4.0) * R(0x1p-52)",),
     "scene.cl": ("DEPTH_ERROR R(0.75)", "DEPTH_ERROR R(4.0)"),
+    "sharpen.cl": ("GROWN R(0x1p-20)",),
 }
 # Times ULP, but no pads: where a search ends or a wish begins, whatever is proven.
 THRESHOLDS = {
@@ -203,6 +204,7 @@ CONTRACTS = {
     ("results.cl", "DEPTH_ROUNDING"): ("results_fine",),
     ("results.cl", "write_results"): ("results", "results_fine"),
     ("scene.cl", "DEPTH_ERROR"): ("results",),
+    ("sharpen.cl", "GROWN"): ("sharpen",),
     ("sharpen.cl", "sharpen_packet"): ("sharpen",),
 }
 
