@@ -205,12 +205,11 @@ CONTRACT(refine) {
   exact bernstein[] = {powers[0], powers[0] + powers[1] / 3, powers[0] + (2 * powers[1] + powers[2]) / 3, powers[0] + powers[1] + powers[2] + powers[3]};
   exact largest = 0;
   for (const exact v : bernstein) largest = most(largest, magnitude(v));
-  wide basis[20] = {};
   const exact scale = rng.between(1, 2) / largest;
-  for (int k = 0; k < 4; ++k) basis[16 + k] = static_cast<double>(bernstein[k] * scale);
+  for (exact& v : bernstein) v *= scale;
   const auto value = [&](exact u) {
     exact e[4];
-    for (int k = 0; k < 4; ++k) e[k] = basis[16 + k];
+    for (int k = 0; k < 4; ++k) e[k] = bernstein[k];
     for (int n = 3; n > 0; --n)
       for (int i = 0; i < n; ++i) e[i] += u * (e[i + 1] - e[i]);
     return e[0];
@@ -222,11 +221,16 @@ CONTRACT(refine) {
   ray.length = rounded(rng.size(0, 1));
   ROOT root;
   root.status = HIT;
-  root.half_width = rounded(length * rng.size(-24, -4));
+  root.half_width = rounded(length * rng.size(-24, -1));
   root.at = near + double(length) * first + rng.between(-0.9, 0.9) * root.half_width.v;
   q[8] = rounded(root.half_width.v * std::exp2(-rng.between(0, 24)));
+  // Coefficients err by what they are said to err by; often by as much as f rises within eps.
+  const double rise = 3 * double(magnitude(bernstein[1] - bernstein[0] + first * (bernstein[2] - 2 * bernstein[1] + bernstein[0]) * 2)) * 0.45 * q[8] / (length * double(ray.length.v));
+  const real error = rounded(rng.chance(0.3) ? rise * rng.between(0, 1) : rng.size(-50, -20)) + 0x1p-52f;
+  wide basis[20] = {};
+  for (int k = 0; k < 4; ++k) basis[16 + k] = static_cast<double>(bernstein[k] + (exact(error) - 0x1p-52) * (rng.chance(0.5) ? rng.sign() : rng.between(-1, 1)));
   const ROOT before = root;
-  refine(&ray, &root, ALL, q, near, length, 0, 0, 0, basis, basis);
+  refine(&ray, &root, ALL, q, near, length, error, 0, 0, basis, basis);
   if (root.half_width == before.half_width) return true;
   const F reach = (F)(R(0.45) * q[8]) / NARROW(ray.length);
   if (!at_most(of(reach) * (1 + exact(0x1p-23)), of(root.half_width))) return false;  // room for the rounding of a product (results.cl)
@@ -234,10 +238,10 @@ CONTRACT(refine) {
   const exact from = place(of(before.at) - of(before.half_width)), to = place(of(before.at) + of(before.half_width));
   const exact lo = place(of(root.at) - of(root.half_width)), hi = place(of(root.at) + of(root.half_width));
   if ((value(from) < 0) == (value(to) < 0)) return true;  // that was no bracket
-  int inside = 1;  // roots, but for the rounding of coefficients
-  if (real_pair)
-    for (const double other : {second, third}) inside += exact(other) > from + exact(1e-7) && exact(other) < to - exact(1e-7);
-  return inside == 1 && (value(lo) < 0) == (value(from) < 0) && (value(hi) < 0) == (value(to) < 0);
+  // It has all roots that the old one has.
+  for (const double root : {first, second, third})
+    if ((real_pair || root == first) && exact(root) > from && exact(root) < to && !(exact(root) > lo && exact(root) < hi)) return false;
+  return (value(lo) < 0) == (value(from) < 0) && (value(hi) < 0) == (value(to) < 0);
 }
 #endif
 

@@ -29,7 +29,7 @@ FACTORS = {
     "contract.cl": ("SLACK R(0.5)", "inverse - R(4.0)"),
     "enclosure_affine.cl": ("R(2.5) * e",),
     "enclosure_interval.cl": ("R(2.5) * e",),
-    "frustum_fine.cl": ("R(4.4) * FINE_DEGREE",),
+    "frustum_fine.cl": ("R(1.07) * (error", "- 1) * R(1.1)", "R(0.51)"),
     "frustum_form.cl": (
         "R(2.0) * CUT_ERROR), cell->size, cell->error);",
         "R(2.0) * CUT_ERROR), cell->size, cell->error), *error",
@@ -189,6 +189,8 @@ CONTRACTS = {
     ("contract.cl", "find_root"): ("head", "halt"),
     ("enclosure_interval.cl", "direction"): ("interval_direction",),
     ("frustum_cells.cl", "find_root"): ("cell_part", "cell_inside", "cell_report"),
+    ("frustum_fine.cl", "FINE_SLOPE_ERROR"): ("refine",),
+    ("frustum_fine.cl", "changes_sign"): ("refine",),
     ("frustum_form.cl", "CUT_ERROR"): ("cut_at",),
     ("frustum_form.cl", "VALUE_ERROR"): ("value_at",),
     ("frustum_knots.cl", "search_cell"): ("knots",),
