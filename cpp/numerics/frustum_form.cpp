@@ -5,13 +5,15 @@
 #include "numerics/frustum_form.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <utility>
 
+#include "caps.h"
 #include "numerics/crew.h"
 #include "numerics/double_double.h"
 #include "numerics/frustum_cuts.h"
@@ -22,6 +24,8 @@ namespace {
 
 // Cells may always be as inexact as this, in parts of their largest coefficient.
 constexpr double kExactEnough = 1e-7;
+// And as this where roots are refined in doubles: beside nodes more leaves them wide.
+constexpr double kExactToRefine = 1e-8;
 // Cuts of a column of tiles after which double takes over at the latest.
 constexpr int kPreciseCuts = 6;
 // What reduction may lose in each direction, in halves of an ulp of the largest coefficient.
@@ -37,44 +41,101 @@ struct Block {
   int first, last;  // depth, in parts of 2^-kMostDepthCuts
 };
 
-// Memory that grows and is not cleared.
-struct Storage {
-  std::unique_ptr<std::byte[]> bytes;
-  std::size_t size = 0;
-
-  void grow(std::size_t wanted, std::size_t used) {
-    if (wanted <= size) return;
-    const std::size_t larger = std::max(wanted, size + size / 2);
-    auto moved = std::make_unique_for_overwrite<std::byte[]>(larger);
-    std::copy_n(bytes.get(), used, moved.get());
-    bytes = std::move(moved);
-    size = larger;
-  }
-};
-
-// Coefficients one behind the other.
-struct Row {
-  Storage storage;
-  std::size_t used = 0;  // bytes
+// Coefficients one behind the other: in a part of the block that they are meant for, or, where that turns out too small, in memory of their own.
+class Row {
+ public:
+  Row() = default;
+  Row(std::byte* part, std::size_t size) : at_(part), size_(size) {}
 
   // Room for so many bytes, and some more that whole vectors may be written to; what follows overwrites them.
   std::byte* add(std::size_t bytes) {
-    storage.grow(used + bytes + kLanes * sizeof(double), used);
-    return storage.bytes.get() + std::exchange(used, used + bytes);
+    const std::size_t wanted = used + bytes + kBehind;
+    if (wanted > size_) {
+      const std::size_t larger = std::max(wanted, size_ + size_ / 2);
+      auto moved = std::make_unique_for_overwrite<std::byte[]>(larger);
+      std::copy_n(at_, used, moved.get());
+      own_ = std::move(moved);
+      at_ = own_.get();
+      size_ = larger;
+    }
+    return at_ + std::exchange(used, used + bytes);
   }
+  const std::byte* data() const { return at_; }
+  bool moved() const { return own_ != nullptr; }
+
+  std::size_t used = 0;  // bytes
+
+ private:
+  std::byte* at_ = nullptr;
+  std::size_t size_ = 0;
+  std::unique_ptr<std::byte[]> own_;
 };
 
-// What one thread has found: leaves, and their coefficients as kernels take them.
+// What one thread has found: leaves, whose coefficients begin where they do in its own rows.
 struct Found {
   struct Leaf {
     int x, y;
     Cells::Cell cell;
   };
-  std::vector<Leaf> leaves;  // `begin` and `exact_begin` are how long they are
+  std::vector<Leaf> leaves;
   Row coefficients, exact;
 };
 
-std::size_t cell_steps(std::size_t count) { return (count + kCellStep - 1) / kCellStep; }
+// How much of one kind of coefficients a thread has made of late, and some more.
+class Expected {
+ public:
+  std::size_t bytes() const { return bytes_; }
+  void learn(std::size_t used) {
+    const std::size_t now = bytes_;
+    if (used > now || used < now / 4) bytes_ = (used + used / 4 + kPage - 1) / kPage * kPage;
+  }
+
+ private:
+  static constexpr std::size_t kPage = 4096;
+  std::atomic<std::size_t> bytes_{0};
+};
+
+// Coefficients of a kind, of all threads: each has a part of one block. Where a part was too small all of them move to another.
+class Rows {
+ public:
+  Rows(std::vector<Found>& found, Row Found::*row, std::size_t real, const Space& space, Expected& expected)
+      : found_(found), row_(row), step_(kCellStep * real), space_(space), expected_(expected), part_(expected.bytes()) {
+    auto* const block = static_cast<std::byte*>(space_(part_ * found_.size()));
+    for (std::size_t k = 0; k < found_.size(); ++k) found_[k].*row_ = Row(block + k * part_, part_);
+  }
+
+  // Where each thread's row begins in the block, in steps.
+  std::vector<std::int32_t> settle() {
+    std::vector<std::int32_t> begins;
+    std::size_t most = 0, all = 0;
+    bool moved = false;
+    for (const Found& part : found_) {
+      const Row& row = part.*row_;
+      most = std::max(most, row.used + kBehind);
+      moved = moved || row.moved();
+    }
+    for (const Found& part : found_) {
+      begins.push_back(static_cast<std::int32_t>(all / step_));
+      all += moved ? (part.*row_).used : part_;
+    }
+    if (moved) {
+      auto* const block = static_cast<std::byte*>(space_(all + kBehind));
+      for (std::size_t k = 0; k < found_.size(); ++k) std::copy_n((found_[k].*row_).data(), (found_[k].*row_).used, block + begins[k] * step_);
+    }
+    expected_.learn(most);
+    return begins;
+  }
+
+ private:
+  std::vector<Found>& found_;
+  Row Found::*row_;
+  std::size_t step_;
+  const Space& space_;
+  Expected& expected_;
+  std::size_t part_;
+};
+
+std::size_t whole_steps(std::size_t count) { return (count + kCellStep - 1) / kCellStep; }
 
 // Coefficients as hi + lo; lo is absent where double is enough.
 struct Form {
@@ -230,7 +291,7 @@ class Cutter {
     int exponent;
     std::frexp(largest, &exponent);
     const double scale = std::ldexp(1.0, 1 - exponent), kept = error * scale + 0x1p-52;
-    if (!form.lo && strict_ && kept > std::max(rounding(), kExactEnough)) return false;
+    if (!form.lo && strict_ && kept > (demand_.exact ? kExactToRefine : std::max(rounding(), kExactEnough))) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_ && (above || below); ++j)
       for (std::size_t i = 0; i < n_; ++i) {
@@ -240,8 +301,8 @@ class Cutter {
       }
     if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
     const std::size_t depth = static_cast<std::size_t>(demand_.depth) + 1, down = demand_.reduced ? reduced_.down : n_, across = demand_.reduced ? reduced_.across : n_;
-    const std::size_t steps = cell_steps(down * depth * across), real = demand_.single() ? sizeof(float) : sizeof(double);
-    std::byte* const to = found_.coefficients.add(steps * kCellStep * real);
+    const std::size_t step = kCellStep * (demand_.single() ? sizeof(float) : sizeof(double)), begin = found_.coefficients.used / step;
+    std::byte* const to = found_.coefficients.add(whole_steps(down * depth * across) * step);
     const double* const from = demand_.reduced ? reduced_.values.data() : form.hi;
     const std::size_t lines = demand_.reduced ? reduction_.padded() : m_;
     if (demand_.single()) {
@@ -252,12 +313,11 @@ class Cutter {
     // Coefficients and both bases are rounded once, and each sum once a term; a term more for the rest.
     const auto bound = [&](std::size_t terms, double unit, double weight, double lost) { return kept + scale * (lost + static_cast<double>(terms + 4) * unit * weight); };
     Cells::Cell cell{at(b.first), at(b.last), bound(down + across, demand_.unit, demand_.reduced ? reduced_.weight : largest, demand_.reduced ? reduced_.error : 0),
-                     static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(steps)};
+                     static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(begin)};
     if (demand_.exact) {
-      const std::size_t exact_steps = cell_steps(n_ * n_ * n_);
-      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(found_.exact.add(exact_steps * kCellStep * sizeof(double))));
+      cell.exact_begin = static_cast<std::int32_t>(found_.exact.used / (kCellStep * sizeof(double)));
+      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(found_.exact.add(whole_steps(n_ * n_ * n_) * kCellStep * sizeof(double))));
       cell.exact_error = bound(2 * n_, 0x1p-53, largest, 0);
-      cell.exact_begin = static_cast<std::int32_t>(exact_steps);
     }
     found_.leaves.push_back({x_, b.y0, cell});
     return true;
@@ -281,32 +341,6 @@ class Cutter {
   std::vector<Room> pool_;
 };
 
-// Blocks of coefficients of earlier frames: fresh pages cost as much as cutting does.
-class Spare {
- public:
-  Storage take() {
-    const std::lock_guard lock(mutex_);
-    if (blocks_.empty()) return {};
-    Storage block = std::move(blocks_.back());
-    blocks_.pop_back();
-    return block;
-  }
-  void give(Storage block) {
-    const std::lock_guard lock(mutex_);
-    if (blocks_.size() < kBlocks && block.size <= kLargest) blocks_.push_back(std::move(block));
-  }
-
- private:
-  static constexpr std::size_t kBlocks = 8, kLargest = 64u << 20;
-  std::mutex mutex_;
-  std::vector<Storage> blocks_;
-};
-
-Spare& spare() {
-  static Spare s;
-  return s;
-}
-
 }  // namespace
 
 Columns::Columns(Whole whole, int degree, const Frustum& frustum) : degree_(degree) { split(frustum.tile_x0, frustum.span_x(), std::move(whole), frustum); }
@@ -327,17 +361,17 @@ Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, con
   Cells out;
   out.begins.assign(static_cast<std::size_t>(std::max(0, rows * columns)) + 1, 0);
   if (rows <= 0 || columns <= 0) {
-    room(0);
-    if (demand.exact) exact_room(0);
+    room(kBehind);
+    if (demand.exact) exact_room(kBehind);
     return out;
   }
   const Reduction reduction(forms.degree(), demand.depth);
   const std::size_t workers = crew_size();
   std::vector<Found> found(workers);
-  for (Found& part : found) {
-    part.coefficients.storage = spare().take();
-    if (demand.exact) part.exact.storage = spare().take();
-  }
+  static std::array<std::array<Expected, limits::kFrustumDegree + 1>, 3> expected;  // in floats, in doubles, besides floats
+  Rows coefficients(found, &Found::coefficients, demand.single() ? sizeof(float) : sizeof(double), room, expected[demand.single() ? 0 : 1][forms.degree()]);
+  std::optional<Rows> exact;
+  if (demand.exact) exact.emplace(found, &Found::exact, sizeof(double), exact_room, expected[2][forms.degree()]);
   std::atomic<std::size_t> next{0};
   by_crew([&](std::size_t worker) {
     Cutter cutter(f, demand, forms.degree(), reduction, found[worker]);
@@ -353,30 +387,15 @@ Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, con
   for (std::size_t i = 1; i < out.begins.size(); ++i) out.begins[i] += out.begins[i - 1];
   const auto count = static_cast<std::size_t>(out.begins.back());
   out.cells.resize(count);
+  const std::vector<std::int32_t> begins = coefficients.settle(), exact_begins = exact ? exact->settle() : std::vector<std::int32_t>(workers, 0);
   std::vector<std::int32_t> at = out.begins;
-  std::vector<std::vector<std::int32_t>> places(workers);
   for (std::size_t worker = 0; worker < workers; ++worker)
     for (const auto& leaf : found[worker].leaves) {
-      places[worker].push_back(at[f.tile_index(leaf.x, leaf.y)]++);
-      out.cells[places[worker].back()] = leaf.cell;
+      Cells::Cell& cell = out.cells[at[f.tile_index(leaf.x, leaf.y)]++];
+      cell = leaf.cell;
+      cell.begin += begins[worker];
+      cell.exact_begin += exact_begins[worker];
     }
-  // All coefficients of one kind, in the order of the cells.
-  const auto gather = [&](std::int32_t Cells::Cell::*begin, Row Found::*coefficients, std::size_t real, const Space& space) {
-    std::int32_t steps = 0;
-    for (auto& cell : out.cells) steps += std::exchange(cell.*begin, steps);
-    auto* const to = static_cast<std::byte*>(space(static_cast<std::size_t>(steps) * kCellStep));
-    for (std::size_t worker = 0; worker < workers; ++worker) {
-      const std::byte* from = (found[worker].*coefficients).storage.bytes.get();
-      for (std::size_t k = 0; k < places[worker].size(); ++k) {
-        const std::size_t bytes = static_cast<std::size_t>(found[worker].leaves[k].cell.*begin) * kCellStep * real;
-        std::copy_n(from, bytes, to + static_cast<std::size_t>(out.cells[places[worker][k]].*begin) * kCellStep * real);
-        from += bytes;
-      }
-      spare().give(std::move((found[worker].*coefficients).storage));
-    }
-  };
-  gather(&Cells::Cell::begin, &Found::coefficients, demand.single() ? sizeof(float) : sizeof(double), room);
-  if (demand.exact) gather(&Cells::Cell::exact_begin, &Found::exact, sizeof(double), exact_room);
   return out;
 }
 

@@ -84,6 +84,7 @@ struct Cells {
 };
 
 constexpr std::size_t kCellStep = 16;
+constexpr std::size_t kBehind = 512;  // bytes of the block behind any coefficient: kernels load whole vectors
 
 constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
 
@@ -100,7 +101,8 @@ struct Demand {
   bool single() const { return unit > 0x1p-53; }
 };
 
-// The cells of f over the frustum, [down][depth][across]. `room` is asked once for memory for so many coefficients, `exact_room` for those in doubles.
+// The cells of f over the frustum, [down][depth][across]. `room` is asked for a block of so many bytes for their coefficients, and at times for another, which takes
+// its place while the first is still there; `exact_room` for those in doubles.
 using Space = std::function<void*(std::size_t)>;
 Cells cells_of(const Columns& columns, const Frustum& frustum, const Demand& demand, const Space& room, const Space& exact_room = {});
 

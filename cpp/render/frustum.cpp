@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstring>
 #include <utility>
 
 #include "caps.h"
@@ -33,12 +32,10 @@ constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 
 constexpr int kReducedDegree = 8;
 // Polynomials of this degree have cells of fewer coefficients.
 constexpr int kLeastReduced = 7;
-// Roots are refined up to this degree, and above where there are so many pixels: smaller pictures spend more on cells for that than on a search in double.
-constexpr int kRefinedAnywhere = 7;
-constexpr std::size_t kRefinedPixels = 1 << 18;
+// Roots are refined in pictures of so many pixels: smaller ones spend more on cells for that than on a search in double.
+constexpr std::size_t kRefinedPixels = 1 << 14;
 // By how many times the bracket that is wanted cells may blur a root before it is refined: few roots lie where cells blur most.
 constexpr double kFineBlur = 10;
-constexpr std::size_t kFormStep = 1 << 16, kMoreVectors = 4;
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
 struct Screen {
@@ -153,7 +150,7 @@ int depth_degree(int degree, const Options& options, Precision precision) {
   return precision == Precision::Single && options.finder == "frustum_newton" ? std::min(degree, kReducedDegree) : degree;
 }
 
-// Cells as buffers: slabs, shapes and forms, and some vectors more, since kernels load whole ones.
+// Cells as buffers: slabs, shapes and forms.
 struct Forms {
   Memory tiles, shapes;
   Reals slabs;
@@ -165,21 +162,14 @@ numerics::Demand demand_of(const numerics::Columns& columns, Precision precision
   return {precision == Precision::Single ? 0x1p-24 : 0x1p-53, eps, depth, reduces(columns.degree(), precision)};
 }
 
-// For packets of `width`.
-Forms forms_of(const numerics::Columns& columns, const Screen& screen, const numerics::Demand& demand, int width) {
+Forms forms_of(const numerics::Columns& columns, const Screen& screen, const numerics::Demand& demand) {
   const Precision precision = demand.single() ? Precision::Single : Precision::Double;
-  std::optional<Memory> form, exact;
-  const auto space = [&](std::optional<Memory>& memory, std::size_t size) {
-    // Room for whole steps, so that the next frame can often have the same block.
-    return [&memory, size, more = kMoreVectors * static_cast<std::size_t>(width)](std::size_t count) {
-      memory.emplace((count + more + kFormStep - 1) / kFormStep * kFormStep * size);
-      std::memset(memory->as<std::byte>() + count * size, 0, more * size);
-      return memory->data();
-    };
-  };
-  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, demand, space(form, size_of(precision)), space(exact, sizeof(double)));
+  std::vector<Memory> form, exact;  // the last one counts
+  const auto space = [](std::vector<Memory>& blocks) { return [&blocks](std::size_t bytes) { return blocks.emplace_back(bytes).data(); }; };
+  const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, demand, space(form), space(exact));
   const std::size_t count = cells.cells.size();
-  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(4 * count * sizeof(std::int32_t)), Reals(precision, 4 * count), *form, exact};
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(4 * count * sizeof(std::int32_t)), Reals(precision, 4 * count), form.back(), {}};
+  if (demand.exact) out.exact_form = exact.back();
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
   for (std::size_t m = 0; m < count; ++m) {
     const auto& cell = cells.cells[m];
@@ -294,7 +284,7 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
   demand.tiles = wanted;
   demand.few = packets && options.first_eps == 0;  // long slabs leave open what is to be narrowed further
   demand.exact = fine;
-  const Forms forms = forms_of(columns_of_tiles, screen, demand, spec.width);
+  const Forms forms = forms_of(columns_of_tiles, screen, demand);
   const Reals basis = basis_of(screen, degree, options, precision);
   std::optional<Reals> exact_basis;  // to refine roots by
   if (fine) exact_basis.emplace(basis_of(screen, degree, options, Precision::Double));
@@ -407,7 +397,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     answer.marched = true;
     return answer;
   }
-  const bool in_double = options.first_eps > 0 && degree > kRefinedAnywhere && static_cast<std::size_t>(view.columns) * static_cast<std::size_t>(view.rows) < kRefinedPixels;
+  const bool in_double = options.first_eps > 0 && static_cast<std::size_t>(view.columns) * static_cast<std::size_t>(view.rows) < kRefinedPixels;
   if (in_double) {
     options.first_eps = 0;
     options.precision = PrecisionMode::Double;
