@@ -22,10 +22,9 @@
 namespace irt::numerics {
 namespace {
 
-// Cells may always be as inexact as this, in parts of their largest coefficient.
-constexpr double kExactEnough = 1e-7;
-// And as this where roots are refined in doubles: beside nodes more leaves them wide.
-constexpr double kExactToRefine = 1e-8;
+// Cells may always be as inexact as this, in parts of their largest coefficient: those of floats, those by which roots are refined as well, those of doubles. What
+// is less exact leaves pixels beside nodes wide.
+constexpr double kExactEnough = 1e-7, kExactToRefine = 1e-8, kExactInDoubles = 1e-9;
 // Cuts of a column of tiles after which double takes over at the latest.
 constexpr int kPreciseCuts = 6;
 // What reduction may lose in each direction, in halves of an ulp of the largest coefficient.
@@ -291,7 +290,7 @@ class Cutter {
     int exponent;
     std::frexp(largest, &exponent);
     const double scale = std::ldexp(1.0, 1 - exponent), kept = error * scale + 0x1p-52;
-    if (!form.lo && strict_ && kept > (demand_.exact ? kExactToRefine : std::max(rounding(), kExactEnough))) return false;
+    if (!form.lo && strict_ && kept > enough()) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_ && (above || below); ++j)
       for (std::size_t i = 0; i < n_; ++i) {
@@ -322,6 +321,8 @@ class Cutter {
     found_.leaves.push_back({x_, b.y0, cell});
     return true;
   }
+
+  double enough() const { return !demand_.single() ? kExactInDoubles : demand_.exact ? kExactToRefine : std::max(rounding(), kExactEnough); }
 
   // What is to be expected of the kernel's, in parts of the largest coefficient.
   double rounding() const { return 2 * (demand_.depth + 5) * demand_.unit; }
