@@ -62,6 +62,7 @@ using Monomials = std::vector<std::pair<std::array<int, 3>, Expr>>;
 Expr nest(const Monomials& terms, int axis) {
   static const char* const kNames[] = {"x", "y", "z"};
   if (axis == 3) {
+    if (terms.size() == 1) return terms[0].second;
     std::vector<Expr> all;
     for (const auto& t : terms) all.push_back(t.second);
     return add(all);
@@ -69,14 +70,15 @@ Expr nest(const Monomials& terms, int axis) {
   std::map<int, Monomials> by_power;
   for (const auto& t : terms) by_power[t.first[axis]].push_back(t);
   const Expr at = symbol(kNames[axis]);
+  const auto times = [&](int exponent, const Expr& e) { return exponent == 0 ? e : mul(exponent == 1 ? at : pow(at, Expr(static_cast<long>(exponent))), e); };
   std::optional<Expr> sum;
   int power = 0;
   for (auto it = by_power.rbegin(); it != by_power.rend(); ++it) {
     const Expr inner = nest(it->second, axis + 1);
-    sum = sum ? add(mul(pow(at, Expr(static_cast<long>(power - it->first))), *sum), inner) : inner;
+    sum = sum ? add(times(power - it->first, *sum), inner) : inner;
     power = it->first;
   }
-  return mul(pow(at, Expr(static_cast<long>(power))), *sum);
+  return times(power, *sum);
 }
 
 }  // namespace

@@ -122,8 +122,36 @@ Tensor raised(const Tensor& b, int by) {
   return r;
 }
 
+std::vector<double> binomials(std::size_t n) {
+  std::vector<double> b(n, 1);
+  for (std::size_t i = 1; i < n; ++i) b[i] = std::round(b[i - 1] * static_cast<double>(n - i) / static_cast<double>(i));
+  return b;
+}
+
+// A constant, which is one in every basis: in this one, the product of three binomials times it.
+IRT_WIDEST void add_constant(Values& v, std::size_t n, const DoubleDouble& c, double c_size) {
+  const std::vector<double> binomial = binomials(n);
+  for (std::size_t line = 0; line < n * n; ++line) {
+    const DoubleDouble scaled = c * (DoubleDouble(binomial[line / n]) * DoubleDouble(binomial[line % n]));
+    const double line_size = c_size * binomial[line / n] * binomial[line % n];
+    double *const hi = v.hi.data() + line * n, *const lo = v.lo.data() + line * n, *const size = v.size.data() + line * n;
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < n; ++k) {
+      const DoubleDouble term = scaled * DoubleDouble(binomial[k]), sum = DoubleDouble{hi[k], lo[k]} + term;
+      hi[k] = sum.hi;
+      lo[k] = sum.lo;
+      size[k] += line_size * binomial[k];
+    }
+  }
+}
+
 Tensor sum(Tensor a, Tensor b) {
   if (a.degree < b.degree) std::swap(a, b);
+  if (b.degree == 0) {
+    add_constant(a.values, a.side(), b.values.at(0), b.values.size[0]);
+    a.depth = std::max(a.depth, b.depth + 3) + 1;
+    return a;
+  }
   if (b.degree < a.degree) b = raised(b, a.degree - b.degree);
   add_run(a.values, 0, b.values, 0, a.values.hi.size(), {}, 0, false);
   a.depth = std::max(a.depth, b.depth) + 1;
@@ -164,16 +192,31 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
     } else if (step.e.op() == Op::Pow) {
       r = values[step.args[0]];
       for (long k = 1; k < step.exponent; ++k) r = product(r, values[step.args[0]]);
-    } else {
+    } else if (step.e.op() == Op::Add) {
       r = values[step.args[0]];
-      for (std::size_t k = 1; k < step.args.size(); ++k)
-        r = step.e.op() == Op::Mul ? product(r, values[step.args[k]]) : sum(std::move(r), values[step.args[k]]);
+      for (std::size_t k = 1; k < step.args.size(); ++k) r = sum(std::move(r), values[step.args[k]]);
+    } else {
+      // Powers of coordinates last, one coordinate at a time: 8 terms n times instead of (n + 1)^3 once.
+      const auto coordinate_of = [&](std::uint32_t arg) {
+        const Formula::Step& factor = formula.steps()[arg];
+        return factor.e.op() == Op::Pow && factor.exponent > 1 && formula.steps()[factor.args[0]].axis >= 0;
+      };
+      std::vector<std::uint32_t> args(step.args.begin(), step.args.end());
+      std::stable_partition(args.begin(), args.end(), [&](std::uint32_t arg) { return !coordinate_of(arg); });
+      r = values[args[0]];
+      for (std::size_t k = 1; k < args.size(); ++k) {
+        const Formula::Step& factor = formula.steps()[args[k]];
+        if (!coordinate_of(args[k])) {
+          r = product(r, values[args[k]]);
+        } else {
+          for (long n = 0; n < factor.exponent; ++n) r = product(r, values[factor.args[0]]);
+        }
+      }
     }
   }
   const Tensor& f = values.back();
   const std::size_t n = f.side();
-  std::vector<double> binomial(n, 1);
-  for (std::size_t i = 1; i < n; ++i) binomial[i] = std::round(binomial[i - 1] * static_cast<double>(n - i) / static_cast<double>(i));
+  const std::vector<double> binomial = binomials(n);
   Whole whole;
   whole.hi.resize(n * n * n);
   whole.lo.resize(n * n * n);
