@@ -37,13 +37,13 @@ class Freedom {
 };
 
 // Exponents of x, y, z in a product that has nothing else but factors free of them, and those factors.
-std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const std::unordered_map<const Node*, bool>& free) {
+std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const auto& is_free) {
   std::array<int, 3> exponents{};
   std::vector<Expr> rest;
   for (const Expr& f : e.op() == Op::Mul ? e.args() : std::span(&e, 1)) {
     const Expr& base = f.op() == Op::Pow ? f.arg(0) : f;
     const auto n = f.op() == Op::Pow ? natural(f.arg(1)) : std::optional<long>(1);
-    if (free.at(f.key())) {
+    if (is_free(f)) {
       rest.push_back(f);
     } else if (const int axis = axis_of(base); axis >= 0 && n && *n <= limits::kDegree) {
       exponents[axis] += static_cast<int>(*n);
@@ -84,21 +84,28 @@ Expr nest(const Monomials& terms, int axis) {
 }  // namespace
 
 Expr nested(const Expr& e) {
-  std::unordered_map<const Node*, Expr> memo;
-  std::unordered_map<const Node*, bool> free;
-  Freedom freedom;
-  for (const Expr& p : postorder(e)) {
-    free[p.key()] = freedom.visit(p);
+  const std::vector<Expr> parts = postorder(e);
+  std::unordered_map<const Node*, std::size_t> places;
+  places.reserve(parts.size());
+  std::vector<bool> free;       // of x, y, z
+  std::vector<Expr> results;
+  const auto is_free = [&](const Expr& p) { return free[places.at(p.key())]; };
+  for (const Expr& p : parts) {
+    bool alone = axis_of(p) < 0;
     std::vector<Expr> args;
-    for (const Expr& a : p.args()) args.push_back(memo.at(a.key()));
+    for (const Expr& a : p.args()) {
+      const std::size_t k = places.at(a.key());
+      alone = alone && free[k];
+      args.push_back(results[k]);
+    }
     // Most parts of a large polynomial are monomials, which stay as they are.
     const bool same = std::equal(args.begin(), args.end(), p.args().begin());
     Expr r = p;
-    if (p.op() == Op::Add && !free.at(p.key())) {
+    if (p.op() == Op::Add && !alone) {
       Monomials terms;
       std::vector<Expr> others;
       for (std::size_t i = 0; i < p.arity(); ++i) {
-        if (auto m = monomial(p.arg(i), free)) {
+        if (auto m = monomial(p.arg(i), is_free)) {
           terms.push_back(std::move(*m));
         } else {
           others.push_back(args[i]);
@@ -109,9 +116,11 @@ Expr nested(const Expr& e) {
     } else if (!same) {
       r = call(p.op(), args);
     }
-    memo.emplace(p.key(), r);
+    places.emplace(p.key(), results.size());
+    free.push_back(alone);
+    results.push_back(std::move(r));
   }
-  return memo.at(e.key());
+  return results.back();
 }
 
 std::optional<long> degree(const Expr& e) {
