@@ -39,7 +39,8 @@ class Point:
     formula: str
     method: str
     eps: float
-    milliseconds: float  # of the kernels, median
+    milliseconds: float  # of a frame's kernels and, by the frustum form, of its coefficients before them; median
+    kernel_milliseconds: float  # of the kernels alone
     of_limit: float  # the same, in times of what one look and one gradient a pixel take
     largest_error: float  # of depth, over the pixels that both call hits
     median_error: float
@@ -200,7 +201,7 @@ def _values(e: Expr, points: npt.NDArray[np.float64], params: dict[str, float]) 
 
 
 def _judged(
-    name: str, method: str, eps: float, frame: Frame, milliseconds: float, limit: float, truth: Reference, normals: Any
+    name: str, method: str, eps: float, frame: Frame, times: Sequence[tuple[float, float]], limit: float, truth: Reference, normals: Any
 ) -> Point:
     both = truth.hit & frame.hit
     with np.errstate(invalid="ignore"):
@@ -208,8 +209,10 @@ def _judged(
         cosine = np.clip((frame.normal * normals).sum(-1), -1, 1)[both]
     angle = np.arccos(cosine[np.isfinite(cosine)])
     status = frame.status
+    milliseconds, kernels = (statistics.median(column) for column in zip(*times, strict=True))
     return Point(
-        formula=name, method=method, eps=eps, milliseconds=milliseconds, of_limit=milliseconds / limit,
+        formula=name, method=method, eps=eps, milliseconds=milliseconds, kernel_milliseconds=kernels,
+        of_limit=milliseconds / limit,
         largest_error=float(error.max(initial=0)), median_error=float(np.median(error)) if error.size else 0.0,
         normal_error=float(np.median(angle)) if angle.size else 0.0,
         wrong_misses=int((truth.hit & (status == Status.MISS)).sum()),
@@ -221,11 +224,11 @@ def _judged(
 
 def _in_turns(
     f: Any, methods: Sequence[Any], runs: int, keywords: dict[str, Any]
-) -> tuple[dict[str, Frame], dict[str, list[float]], bool]:
-    """The last frame and the milliseconds of each method that takes the formula, and whether Ctrl-C cut it short. Methods take
+) -> tuple[dict[str, Frame], dict[str, list[tuple[float, float]]], bool]:
+    """The last frame and the times of each method that takes the formula (milliseconds in all, and of the kernels), and whether Ctrl-C cut it short. Methods take
     turns, so that other load on the machine hits all alike; the first two turns do not count."""
     last: dict[str, Frame] = {}
-    times: dict[str, list[float]] = {}
+    times: dict[str, list[tuple[float, float]]] = {}
     able = {m if isinstance(m, str) else repr(m): m for m in methods}
     try:
         for run in range(-UNTIMED, runs):
@@ -239,7 +242,8 @@ def _in_turns(
                     continue
                 if run >= 0:
                     last[label] = frame
-                    times.setdefault(label, []).append(1e3 * frame.stats.seconds["kernel"])
+                    kernels = 1e3 * frame.stats.seconds["kernel"]
+                    times.setdefault(label, []).append((kernels + 1e3 * frame.stats.seconds.get("prepare", 0.0), kernels))
     except KeyboardInterrupt:
         return last, times, True
     return last, times, False
@@ -271,8 +275,8 @@ def compare(
         progress: called with a line for each point; default: a line on standard error where that is a terminal.
 
     Returns:
-        a `Comparison`. Ctrl-C ends it and keeps what is done. Milliseconds are of the kernels; `of_limit` divides them by the
-        time, measured just before, of a frame that looks once at each ray and takes its gradient.
+        a `Comparison`. Ctrl-C ends it and keeps what is done. Milliseconds are of the kernels and of the frustum form's coefficients, which the host
+        makes for each frame; `of_limit` divides them by the time, measured just before, of a frame that looks once at each ray and takes its gradient.
 
     Raises:
         ArgumentError, ExpressionError, DeviceError.
@@ -306,7 +310,7 @@ def compare(
             for width in widths:
                 last, times, interrupted = _in_turns(formula, chosen, runs, {"eps": width, "rounding": rounding, **keywords})
                 for method, frame in last.items():
-                    points.append(_judged(name, method, width, frame, statistics.median(times[method]), limit, truth, normals))
+                    points.append(_judged(name, method, width, frame, times[method], limit, truth, normals))
                     if progress:
                         p = points[-1]
                         progress(f"{name}  {method}  eps {width:g}: {p.milliseconds:.1f} ms, largest error {p.largest_error:.1e}")
