@@ -28,7 +28,7 @@ SHARPENED = {"bisection", "contract", "mitchell"}
 HOPELESS = 3.0
 # Between so many times what single precision resolves, it proves brackets of BRACKETED times that by the frustum form, and double narrows each down at
 # once (kernels/frustum_fine.cl).
-REFINED, BRACKETED = (0.02, 10.0), 60.0
+REFINED, BRACKETED = (0.02, 20.0), 60.0
 
 
 def finder_request(
