@@ -79,6 +79,8 @@ def _calls() -> Iterator[tuple[str, Callable[[], Any]]]:
     regions = [1.5, irt.Sphere((0, 0, 0), 1.4), irt.HalfSpace((0, 0, 1), 0.4), irt.Clip("0.3 - x^2")]
     for method in ("ia", "contract"):
         yield f"regions, {method}", lambda m=method: irt.render("x^2 + a y^2 + z^2 - 1", **(with_parameters | {"bounds": regions}), method=m, params={"a": 1.1})
+    # Frames of fewer pixels refine no roots.
+    yield "refined", lambda: irt.render(BALL, **(small | {"size": (128, 128)}), method="frustum-newton", eps=1e-6, outputs=("normal",))
     yield "neighbours", lambda: irt.render(BALL, normals="neighbours", **small)
     yield "silhouettes", lambda: irt.render(BALL, antialias="silhouette", **small)
     yield "isovalue", lambda: irt.render("x^2 + y^2", isovalue=0.5, background=None, **with_parameters)
