@@ -20,10 +20,8 @@
 
 #if W == 1
 #define SELECT_WIDE(m, a, b) SELECT(m, a, b)
-#define NARROW_MASK(c) MASK(c)
 #else
 #define SELECT_WIDE(m, a, b) select(b, a, TO_LONG(m))
-#define NARROW_MASK(c) TO_I(c)
 #endif
 
 static inline FW fine_value(const FW* c, FW u) {

@@ -87,7 +87,7 @@ Expr nested(const Expr& e) {
   const std::vector<Expr> parts = postorder(e);
   std::unordered_map<const Node*, std::size_t> places;
   places.reserve(parts.size());
-  std::vector<bool> free;       // of x, y, z
+  std::vector<bool> free;  // of x, y, z
   std::vector<Expr> results;
   const auto is_free = [&](const Expr& p) { return free[places.at(p.key())]; };
   for (const Expr& p : parts) {

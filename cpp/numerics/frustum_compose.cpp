@@ -197,16 +197,16 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
       for (std::size_t k = 1; k < step.args.size(); ++k) r = sum(std::move(r), values[step.args[k]]);
     } else {
       // Powers of coordinates last, one coordinate at a time: 8 terms n times instead of (n + 1)^3 once.
-      const auto coordinate_of = [&](std::uint32_t arg) {
+      const auto is_power_of_coordinate = [&](std::uint32_t arg) {
         const Formula::Step& factor = formula.steps()[arg];
         return factor.e.op() == Op::Pow && factor.exponent > 1 && formula.steps()[factor.args[0]].axis >= 0;
       };
       std::vector<std::uint32_t> args(step.args.begin(), step.args.end());
-      std::stable_partition(args.begin(), args.end(), [&](std::uint32_t arg) { return !coordinate_of(arg); });
+      std::stable_partition(args.begin(), args.end(), [&](std::uint32_t arg) { return !is_power_of_coordinate(arg); });
       r = values[args[0]];
       for (std::size_t k = 1; k < args.size(); ++k) {
         const Formula::Step& factor = formula.steps()[args[k]];
-        if (!coordinate_of(args[k])) {
+        if (!is_power_of_coordinate(args[k])) {
           r = product(r, values[args[k]]);
         } else {
           for (long n = 0; n < factor.exponent; ++n) r = product(r, values[factor.args[0]]);
