@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import warnings
 from pathlib import Path
 
@@ -11,6 +12,10 @@ import pytest
 from implicitrt.devices import Device, devices
 
 DATA = Path(__file__).parent.parent / "data"
+
+# Shells start what runs behind them with SIGINT ignored, and tests of Ctrl-C, here and in child processes, would wait for ever.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def working_devices() -> list[Device]:
