@@ -112,7 +112,7 @@ struct Options {
   // Whether few open rays go to the reference: where statuses are proven, and no budget of pieces was set.
   bool refers() const { return outward && max_pieces == 0 && (by_frustum() || finder == "bisection" || finder == "contract" || finder == "mitchell"); }
   std::optional<Previous> previous;  // of by_frustum()
-  bool or_march = false;  // of the frustum form: where it is refused, or leaves many pixels open, contraction goes on
+  bool or_march = false;  // of `auto`: where the frustum form is refused, or leaves many pixels open, contraction goes on, and narrows brackets down
   // Root finders of the frustum form take coefficients instead of a program.
   bool by_frustum() const { return finder.starts_with("frustum_"); }
 };

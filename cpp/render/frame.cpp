@@ -45,9 +45,11 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
   return answer;
 }
 
-// Single precision proves brackets as narrow as it easily can, and double narrows them: it has to march nowhere.
+// Single precision proves brackets as narrow as it easily can, and double narrows them: it has to march nowhere. Contraction looks at each once, so it does that
+// for what `auto` chose to find them.
 Answer sharpened(const program::Program& program, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
-  kernel::Spec spec = spec_of(program, bounds, options, device, Precision::Double, kernel::Entry::Camera);
+  const Options narrowing = options.or_march ? contracting(options) : options;
+  kernel::Spec spec = spec_of(program, bounds, narrowing, device, Precision::Double, kernel::Entry::Camera);
   spec.sharpens = true;
   prepare(program, spec, device);  // while the other kernel is built
   const auto part = [&](Options o, double from, double to) {
@@ -59,7 +61,7 @@ Answer sharpened(const program::Program& program, const View& view, const Bounds
   bare.normal = bare.rgb = false;
   Answer answer = pass(program, view, bounds, bare, device, Precision::Single, nullptr, 0);
   const device::Outcome before = answer.outcome;
-  Options rest = part(options, 0.75, 1);
+  Options rest = part(narrowing, 0.75, 1);
   // What is found is narrowed down and shaded, even if it is too late to find more.
   rest.control.deadline = std::chrono::steady_clock::time_point::max();
   add_shading(answer, rest);

@@ -371,13 +371,6 @@ void add_normals(const Formulas& formulas, const std::vector<numerics::Ray>& ray
   }
 }
 
-// Contraction instead.
-Options marching(Options options) {
-  options.finder = "contract";
-  options.affine = true;
-  return options;
-}
-
 Answer frustum_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, Options options,
                       device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
@@ -393,7 +386,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     columns.emplace(numerics::compose(planned->plan, screen->frustum), degree, screen->frustum);
   } catch (const MethodError&) {
     if (!options.or_march) throw;
-    Answer answer = camera_passes(program, unclipped, view, bounds, marching(options), device);
+    Answer answer = camera_passes(program, unclipped, view, bounds, contracting(options), device);
     answer.marched = true;
     return answer;
   }
@@ -412,7 +405,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   const std::size_t pixels = answer.columns * answer.rows;
   const auto marches = [&](std::size_t share, std::size_t least) {
     if (!options.or_march || open.size() <= std::max(pixels / share, least)) return false;
-    Options march = marching(options);
+    Options march = contracting(options);
     // Roots that are found, but wider than eps, are so in every way that single precision has.
     const unsigned char* status = answer.status->as<unsigned char>();
     if (2 * std::count_if(open.begin(), open.end(), [&](std::size_t i) { return status[i] == 1; }) > static_cast<std::ptrdiff_t>(open.size()))

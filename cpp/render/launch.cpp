@@ -186,6 +186,12 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   return q;
 }
 
+Options contracting(Options options) {
+  options.finder = "contract";
+  options.affine = true;
+  return options;
+}
+
 void add_shading(Answer& a, const Options& options) {
   const std::size_t n = a.pitch * a.rows;
   if (options.normal) a.normal.emplace(3 * n * sizeof(float));

@@ -51,6 +51,9 @@ void launch(const program::Program& program, const kernel::Spec& spec, std::vect
 void launch(const std::string& source, const kernel::Spec& spec, std::vector<device::Arg> inputs, const Reals& settings,
             std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer);
 
+// The same by contraction.
+Options contracting(Options options);
+
 // Rows of `answer` that hold `columns` results each.
 Answer make_answer(std::size_t columns, std::size_t rows, int width, program::Precision precision, const Options& options);
 // Memory for normals and colours, where they are asked for.

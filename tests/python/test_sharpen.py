@@ -21,7 +21,7 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize(("name", "method"), [(n, "contract") for n in ("waves", "corners", "poles", "jumps")] + [(n, "raa") for n in SCENES] + [(n, m) for n in ("waves", "corners") for m in ("ia", "mitchell")])
+@pytest.mark.parametrize(("name", "method"), [(n, "contract") for n in ("waves", "corners", "poles", "jumps")] + [(n, "raa") for n in SCENES] + [(n, m) for n in ("waves", "corners") for m in ("ia", "mitchell")] + [("corners", "auto")])
 def test_brackets_hold_the_first_root_and_are_as_narrow_as_eps(name: str, method: str) -> None:
     f, bounds = SCENES[name]
     frame = irt.render(f, bounds=bounds, size=SIZE, method=method, eps=EPS, outputs=())  # type: ignore[arg-type]
