@@ -11,7 +11,8 @@
 #else
 #define FINE_EACH
 #endif
-// Binomials of one degree less, and of two.
+#define FINE_BINOMIAL(degree, i) fine_binomials[i]
+// Of one degree less, and of two.
 #define FALLING(degree, i) \
   ((real)(fine_binomials[i] * (FINE_DEGREE - (i)) / FINE_DEGREE * ((degree) == FINE_DEGREE - 1 ? 1.0 : (FINE_DEGREE - 1.0 - (i)) / (FINE_DEGREE - 1))))
 // Of a mean of differences, where the place is rounded to a float, and of a quotient by it: in parts of the largest difference.
@@ -24,26 +25,8 @@
 #define SELECT_WIDE(m, a, b) select(b, a, TO_LONG(m))
 #endif
 
-static inline FW fine_value(const FW* c, FW u) {
-  const FW v = 1.0 - u;
-  FW sum = c[0], power = (FW)1;
-  FINE_EACH for (int i = 1; i < FINE_TERMS; ++i) {
-    power *= u;
-    sum = fma(sum, v, power * (fine_binomials[i] * c[i]));
-  }
-  return sum;
-}
-
-// Of one degree less than the cell's, or two.
-static inline F falling_value(const F* c, int degree, F u) {
-  const F v = R(1.0) - u;
-  F sum = c[0], power = (F)1;
-  FINE_EACH for (int i = 1; i <= degree; ++i) {
-    power *= u;
-    sum = fma(sum, v, power * (FALLING(degree, i) * c[i]));
-  }
-  return sum;
-}
+BERNSTEIN_VALUE(fine_value, FW, FINE_EACH, FINE_BINOMIAL)
+BERNSTEIN_VALUE(falling_value, F, FINE_EACH, FALLING)
 
 // What is known of f about the root: its slope, what that is off by, and how much it changes at most on a unit of the way.
 typedef struct {
@@ -94,7 +77,7 @@ static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const re
   f.slope = (real)FINE_DEGREE * falling_value(first, FINE_DEGREE - 1, u);
   f.blur = (real)FINE_DEGREE * rounding;
   f.change = most * (bend + rounding);  // by coefficients anywhere in the cell
-  const F off = -NARROW(fine_value(c, place)) / f.slope;
+  const F off = -NARROW(fine_value(c, FINE_DEGREE, place)) / f.slope;
   FW at = place + WIDEN(off);
   I good = here & steep(f, r) & LE(fabs(off), known + wanted) & changes_sign(f, off, wanted, bound);
 #if FINE_DEGREE > 2
@@ -105,7 +88,7 @@ static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const re
     const F twice = rounding + rounding;  // of second differences, and of third ones
     f.change = most * fma((real)(FINE_DEGREE - 2) * r, third + twice, fabs(falling_value(second, FINE_DEGREE - 2, u)) + twice);
     f.blur = fma(fabs(off), f.change, f.blur);
-    const F more = -NARROW(fine_value(c, at)) / f.slope;
+    const F more = -NARROW(fine_value(c, FINE_DEGREE, at)) / f.slope;
     const I better = here & ~good & steep(f, r) & LE(fabs(off) + fabs(more), known + wanted) & changes_sign(f, more, wanted, bound);
     good |= better;
     at = SELECT_WIDE(better, at + WIDEN(more), at);

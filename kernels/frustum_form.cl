@@ -59,15 +59,18 @@ typedef struct {
 
 static inline F mixed(F a, F b, F share) { return fma(share, b - a, a); }
 
-static inline F value_at(const F* c, int degree, F u) {
-  const F v = R(1.0) - u;
-  F sum = c[0], power = (F)1;
-  EACH for (int i = 1; i <= degree; ++i) {
-    power *= u;
-    sum = fma(sum, v, power * (BINOMIAL(degree, i) * c[i]));
+// name(c, degree, u): the value of Bernstein coefficients, in lanes of LANES, by loops that EACH_TERM unrolls.
+#define BERNSTEIN_VALUE(name, LANES, EACH_TERM, BINOMIAL_OF) \
+  static inline LANES name(const LANES* c, int degree, LANES u) { \
+    const LANES v = (LANES)1 - u; \
+    LANES sum = c[0], power = (LANES)1; \
+    EACH_TERM for (int i = 1; i <= degree; ++i) { \
+      power *= u; \
+      sum = fma(sum, v, power * (BINOMIAL_OF(degree, i) * c[i])); \
+    } \
+    return sum; \
   }
-  return sum;
-}
+BERNSTEIN_VALUE(value_at, F, EACH, BINOMIAL)
 
 // The lowest and the highest coefficient, in few rounds.
 typedef struct {

@@ -23,27 +23,36 @@ int axis_of(const Expr& e) {
   return e.name() == "x" ? 0 : e.name() == "y" ? 1 : e.name() == "z" ? 2 : -1;
 }
 
-// Which parts are free of x, y, z; asked in postorder.
-class Freedom {
+// The parts of an expression in postorder, where each is among them, and which are free of x, y, z.
+class Parts {
  public:
-  bool visit(const Expr& p) {
-    bool free = axis_of(p) < 0;
-    for (const Expr& a : p.args()) free = free && free_.at(a.key());
-    return free_[p.key()] = free;
+  explicit Parts(const Expr& e) : all_(postorder(e)) {
+    places_.reserve(all_.size());
+    for (const Expr& p : all_) {
+      const bool free = axis_of(p) < 0 && std::all_of(p.args().begin(), p.args().end(), [&](const Expr& a) { return is_free(a); });
+      places_.emplace(p.key(), free_.size());
+      free_.push_back(free);
+    }
   }
+  auto begin() const { return all_.begin(); }
+  auto end() const { return all_.end(); }
+  std::size_t place(const Expr& p) const { return places_.at(p.key()); }
+  bool is_free(const Expr& p) const { return free_[place(p)]; }
 
  private:
-  std::unordered_map<const Node*, bool> free_;
+  std::vector<Expr> all_;
+  std::unordered_map<const Node*, std::size_t> places_;
+  std::vector<bool> free_;
 };
 
 // Exponents of x, y, z in a product that has nothing else but factors free of them, and those factors.
-std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const auto& is_free) {
+std::optional<std::pair<std::array<int, 3>, Expr>> monomial(const Expr& e, const Parts& parts) {
   std::array<int, 3> exponents{};
   std::vector<Expr> rest;
   for (const Expr& f : e.op() == Op::Mul ? e.args() : std::span(&e, 1)) {
     const Expr& base = f.op() == Op::Pow ? f.arg(0) : f;
     const auto n = f.op() == Op::Pow ? natural(f.arg(1)) : std::optional<long>(1);
-    if (is_free(f)) {
+    if (parts.is_free(f)) {
       rest.push_back(f);
     } else if (const int axis = axis_of(base); axis >= 0 && n && *n <= limits::kDegree) {
       exponents[axis] += static_cast<int>(*n);
@@ -84,28 +93,19 @@ Expr nest(const Monomials& terms, int axis) {
 }  // namespace
 
 Expr nested(const Expr& e) {
-  const std::vector<Expr> parts = postorder(e);
-  std::unordered_map<const Node*, std::size_t> places;
-  places.reserve(parts.size());
-  std::vector<bool> free;  // of x, y, z
+  const Parts parts(e);
   std::vector<Expr> results;
-  const auto is_free = [&](const Expr& p) { return free[places.at(p.key())]; };
   for (const Expr& p : parts) {
-    bool alone = axis_of(p) < 0;
     std::vector<Expr> args;
-    for (const Expr& a : p.args()) {
-      const std::size_t k = places.at(a.key());
-      alone = alone && free[k];
-      args.push_back(results[k]);
-    }
+    for (const Expr& a : p.args()) args.push_back(results[parts.place(a)]);
     // Most parts of a large polynomial are monomials, which stay as they are.
     const bool same = std::equal(args.begin(), args.end(), p.args().begin());
     Expr r = p;
-    if (p.op() == Op::Add && !alone) {
+    if (p.op() == Op::Add && !parts.is_free(p)) {
       Monomials terms;
       std::vector<Expr> others;
       for (std::size_t i = 0; i < p.arity(); ++i) {
-        if (auto m = monomial(p.arg(i), is_free)) {
+        if (auto m = monomial(p.arg(i), parts)) {
           terms.push_back(std::move(*m));
         } else {
           others.push_back(args[i]);
@@ -116,8 +116,6 @@ Expr nested(const Expr& e) {
     } else if (!same) {
       r = call(p.op(), args);
     }
-    places.emplace(p.key(), results.size());
-    free.push_back(alone);
     results.push_back(std::move(r));
   }
   return results.back();
@@ -125,12 +123,12 @@ Expr nested(const Expr& e) {
 
 std::optional<long> degree(const Expr& e) {
   // An upper bound first, without expanding; it is exact unless leading terms cancel in a sum.
-  std::unordered_map<const Node*, std::optional<long>> memo;
+  const Parts parts(e);
+  std::vector<std::optional<long>> degrees;
   bool sums_of_equals = false;
-  Freedom freedom;
-  for (const Expr& p : postorder(e)) {
+  for (const Expr& p : parts) {
     std::optional<long> r;
-    const auto of = [&](std::size_t i) { return memo.at(p.arg(i).key()); };
+    const auto of = [&](std::size_t i) { return degrees[parts.place(p.arg(i))]; };
     if (p.is_condition()) {
     } else if (axis_of(p) >= 0) {
       r = 1;
@@ -156,11 +154,11 @@ std::optional<long> degree(const Expr& e) {
     } else if (const auto n = p.op() == Op::Pow ? natural(p.arg(1)) : std::nullopt; n && of(0) && *n <= limits::kExponent) {
       r = *of(0) * *n;
     }
-    if (freedom.visit(p) && !p.is_condition()) r = 0;
+    if (parts.is_free(p) && !p.is_condition()) r = 0;
     if (r && *r > limits::kDegree) throw LimitError(fmt::format("the polynomial's degree is above the limit of {}", limits::kDegree));
-    memo.emplace(p.key(), r);
+    degrees.push_back(r);
   }
-  const auto bound = memo.at(e.key());
+  const auto bound = degrees.back();
   if (!bound || !sums_of_equals || *bound > 60) return bound;
   try {
     // Of monomials, a node's weight is its degree.

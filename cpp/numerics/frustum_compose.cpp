@@ -206,11 +206,8 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
       r = values[args[0]];
       for (std::size_t k = 1; k < args.size(); ++k) {
         const Formula::Step& factor = formula.steps()[args[k]];
-        if (!is_power_of_coordinate(args[k])) {
-          r = product(r, values[args[k]]);
-        } else {
-          for (long n = 0; n < factor.exponent; ++n) r = product(r, values[factor.args[0]]);
-        }
+        const bool power = is_power_of_coordinate(args[k]);
+        for (long n = power ? factor.exponent : 1; n > 0; --n) r = product(r, values[power ? factor.args[0] : args[k]]);
       }
     }
   }
