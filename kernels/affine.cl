@@ -75,6 +75,18 @@ static inline RA ra_scale(RA a, real c, real n) {
 #endif
 }
 
+// c * a + b for a constant c that is known to within n ulp. Of c * a: n. y: 0.5. z: 0.5, and 0.5 in each of the four steps here.
+static inline RA ra_scale_add(RA a, real c, real n, RA b) {
+  const F x = fma((F)c, a.x, b.x), y = fma((F)c, a.y, b.y), z = fma((F)fabs(c), a.z, b.z);
+#if IRT_OUTWARD
+  F rest = z + (F)TINY;
+  if (n > R(0.0)) rest = fma((F)((n + R(0.01)) * ULP * fabs(c)), fabs(a.x) + ra_rad(a), rest);
+  return ra(x, y, fma((F)(R(2.51) * ULP), fabs(y) + z, fma((F)(ROUNDED * ULP), fabs(x), rest)));
+#else
+  return ra(x, y, z);
+#endif
+}
+
 // a + c for a constant c known to within +-error.
 static inline RA ra_shift(RA a, real c, real error) {
   const F x = a.x + c;

@@ -10,8 +10,11 @@ static inline RA coordinate(F middle, F slope, F e) {
 }
 
 // f over the piece from `from` to `to`, in units of the path, and where that lies in the clip region.
+//
+// The middle is not written as in contract.cl, which marches without pads and seldom asks for them: compilers would share parts of the two
+// evaluations, and keep them in memory for the one that is seldom made.
 static inline FORM enclose(const PATH* path, F from, F to PARAMETERS, I* undefined, I* rough REGION_PARAMETERS) {
-  const F middle = R(0.5) * (from + to), span = R(0.5) * (to - from);
+  const F span = R(0.5) * (to - from), middle = from + span;
   return irt_affine(coordinate(ALONG(path, x, middle), span * path->ux, ERROR_UNTIL(path, x, to)),
                     coordinate(ALONG(path, y, middle), span * path->uy, ERROR_UNTIL(path, y, to)),
                     coordinate(ALONG(path, z, middle), span * path->uz, ERROR_UNTIL(path, z, to))

@@ -47,9 +47,12 @@ class AffineEmitter {
   std::string text_;
   Emitted out_;
 
+  // What forms are there of a value: none, or a number times one, which sums of it need not have (scaled_sum).
+  static constexpr char kScaled = 2;
+
   std::string form(Value v) {
     char& has = has_form_[static_cast<std::size_t>(v)];
-    if (!has) text_ += fmt::format("  const RA {} = ra_from_range({});\n", name(v), range(v));
+    if (has != 1) text_ += fmt::format("  const RA {} = {};\n", name(v), has == kScaled ? scale(v) : fmt::format("ra_from_range({})", range(v)));
     has = 1;
     return name(v);
   }
@@ -62,7 +65,10 @@ class AffineEmitter {
     }
     if (is_condition(program_[v].code)) return name(v, 'q');
     char& has = has_range_[static_cast<std::size_t>(v)];
-    if (!has) text_ += fmt::format("  const IA {} = ra_range({});\n", name(v, 'q'), name(v));
+    if (!has) {
+      const std::string value = form(v);
+      text_ += fmt::format("  const IA {} = ra_range({});\n", name(v, 'q'), value);
+    }
     has = 1;
     return name(v, 'q');
   }
@@ -151,10 +157,19 @@ class AffineEmitter {
             return define_range(v, interval_rule(program_, v, range(in.a), range(in.b), precision_, powers_));
           return define(v, shift(in.a, program_[in.b].value));
         }
+        [[fallthrough]];
+      case Code::Sub:
+        if (const std::string sum = scaled_sum(in.a, in.b, in.code == Code::Sub); !sum.empty()) return define(v, sum);
         break;
       case Code::Mul:
-        if (program_.is_constant(in.a)) return define(v, scale(in.b, program_[in.a].value));
-        break;
+        if (!program_.is_constant(in.a)) break;
+        if (factor(v) == 0) {
+          const auto b = outward(program_[in.a].value, precision_);
+          return define(v, fmt::format("ra_mul(ra_from_range(ia((F){}, (F){})), {})", literal(b.lo), literal(b.hi), form(in.b)));
+        }
+        if (inherits(v)) return define(v, scale(v));
+        has_form_[static_cast<std::size_t>(v)] = kScaled;
+        return emit_inherited(program_, v, text_);
       case Code::Power: return define(v, power(v));
       case Code::Polynomial:
         out_.files.insert({"polynomial.cl", "affine_polynomial.cl"});
@@ -203,15 +218,34 @@ class AffineEmitter {
     return fmt::format("ra_shift({}, {}, {})", form(a), literal(c), literal(std::max(b.hi - c, c - b.lo)));
   }
 
-  std::string scale(Value a, const numerics::Bounds& exact) {
-    const double c = nearest(exact, precision_);
-    if (!(std::fabs(c) > 1e-30 && std::fabs(c) < 1e30)) {
-      const auto b = outward(exact, precision_);
-      return fmt::format("ra_mul(ra_from_range(ia((F){}, (F){})), {})", literal(b.lo), literal(b.hi), form(a));
-    }
-    const bool known = exact.lo == c && exact.hi == c;
-    const std::string scaled = fmt::format("ra_scale({}, {}, {})", form(a), literal(std::fabs(c)), known ? "R(0.0)" : "R(1.0)");
+  // c where v is c times something and c a number of ordinary size; else 0.
+  double factor(Value v) const {
+    const Instruction& in = program_[v];
+    if (in.code != Code::Mul || !program_.is_constant(in.a)) return 0;
+    const double c = nearest(program_[in.a].value, precision_);
+    return std::fabs(c) > 1e-30 && std::fabs(c) < 1e30 ? c : 0;
+  }
+
+  // By how many ulp that may be off.
+  const char* unknown(Value v) const {
+    const numerics::Bounds& exact = program_[program_[v].a].value;
+    return exact.lo == exact.hi && exact.lo == factor(v) ? "R(0.0)" : "R(1.0)";
+  }
+
+  std::string scale(Value v) {
+    const double c = factor(v);
+    const std::string scaled = fmt::format("ra_scale({}, {}, {})", form(program_[v].b), literal(std::fabs(c)), unknown(v));
     return c < 0 ? fmt::format("ra_neg({})", scaled) : scaled;
+  }
+
+  // a + b, or a - b, where one of the two is a number times something: one operation for each part of the form instead of two.
+  std::string scaled_sum(Value a, Value b, bool minus) {
+    const auto sum = [&](Value scaled, double c, const std::string& other) {
+      return fmt::format("ra_scale_add({}, {}, {}, {})", form(program_[scaled].b), literal(c), unknown(scaled), other);
+    };
+    if (const double c = factor(a); c != 0 && !only_range(a)) return sum(a, c, minus ? fmt::format("ra_neg({})", form(b)) : form(b));
+    if (const double c = factor(b); c != 0 && !only_range(b)) return sum(b, minus ? -c : c, form(a));
+    return {};
   }
 
   std::string power(Value v) {

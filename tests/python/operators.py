@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 # Values stay within single precision for moderate arguments: these run in kernels without the code for infinities, too.
 BOUNDED = (
-    "-x", "x + y", "x - y", "x*y", "3*x", "2.3*x", "x + 0.1", "pi - x", "x^2", "x^3", "x^4", "x^5", "x^7", "x^8", "sqrt(x)", "cbrt(x)",
+    "-x", "x + y", "x - y", "x*y", "3*x", "2.3*x", "3*x - y", "2.3*x + y", "x + 0.1", "pi - x", "x^2", "x^3", "x^4", "x^5", "x^7", "x^8", "sqrt(x)", "cbrt(x)",
     "x^(3/2)", "x^(7/3)", "exp(x)", "sinh(x)", "cosh(x)", "tanh(x)", "sin(x)", "cos(x)", "asin(x)", "acos(x)", "atan(x)", "atan2(x, y)",
     "Abs(x)", "sign(x)", "floor(x)", "ceiling(x)", "Min(x, y)", "Max(x, y)", "Piecewise((x, x < y), (y^2, True))",
     "Piecewise((x, And(x <= y, y > 1)), (-y, Or(Eq(x, y), Not(x > 2))), (1/3, True))",
