@@ -52,12 +52,15 @@ __attribute__((noinline)) void trace_tile(const size_t tile_column, const size_t
     const F far = NARROW(ray.tau) + (F)RADIUS, reach = max(fma((F)(R(4.0) * ULP), fabs(NARROW(ray.tau)) + (F)RADIUS, far), (F)0);
     whole.ex += fma(reach, ray.wx, ray.bx), whole.ey += fma(reach, ray.wy, ray.by), whole.ez += fma(reach, ray.wz, ray.bz);
     const RANGE range = clip_ray(&whole, q);
-    const ROOT root = find_root(&ray, &range, q, beam ? BEAM_PIECES : max_pieces FINDER_PASS);
+    ROOT root = find_root(&ray, &range, q, beam ? BEAM_PIECES : max_pieces FINDER_PASS);
     if (beam) {
       STORE(head.from, from);
       STORE(SELECT(EQ(root.status, MISS), (F)-1, head.span), span);
       STORE(head.sign, sign);
     } else {
+#if IRT_REFINES
+      refine(&ray, &root, q);
+#endif
       write_results(&ray, &root, at, q, RESULTS_PASS PARAMETERS_PASS);
     }
   }

@@ -19,12 +19,6 @@
 #define FINE_SLOPE_ERROR ((FINE_TERMS + 2) * R(2.0) * ULP)
 #define BEYOND R(0.001)  // of a cell, how far outside it values are believed: errors grow by less than 0.07 there, of any degree up to 32
 
-#if W == 1
-#define SELECT_WIDE(m, a, b) SELECT(m, a, b)
-#else
-#define SELECT_WIDE(m, a, b) select(b, a, TO_LONG(m))
-#endif
-
 BERNSTEIN_VALUE(fine_value, FW, FINE_EACH, FINE_BINOMIAL)
 BERNSTEIN_VALUE(falling_value, F, FINE_EACH, FALLING)
 

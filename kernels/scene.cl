@@ -13,13 +13,21 @@
 #define LIGHT_POWER q[23]
 #define STEPS q[24]  // of root finders that sample
 #define BOXED q[25]  // whether the box may cut what the other bounds and the picture leave; 0: no
-#define SPHERE(i, k) q[26 + 4 * (i) + (k)]  // centre and radius
-#define HALF_SPACE(i, k) q[26 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
+#define FINE_EPS q[26]  // where EPS is that of the brackets which are narrowed down to this
+#define SPHERE(i, k) q[27 + 4 * (i) + (k)]  // centre and radius
+#define HALF_SPACE(i, k) q[27 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
 
 #define MISS ((I)0)
 #define HIT ((I)1)
 #define TOUCH ((I)2)
 #define UNRESOLVED ((I)3)
+
+// Of packets of doubles, by masks of lanes of floats.
+#if W == 1
+#define SELECT_WIDE(m, a, b) SELECT(m, a, b)
+#else
+#define SELECT_WIDE(m, a, b) select(b, a, TO_LONG(m))
+#endif
 
 // A ray in the coordinates of the bounds: position P + s D. P lies near the middle of the bounds, so that a far camera
 // costs no digits; t = (tau + s) length.

@@ -6,7 +6,10 @@
 __attribute__((noinline)) void trace_packet(const size_t column, const size_t row, TRACE_DECL) {
   const RAY ray = make_ray(RAY_PASS, q, column, row);
   const RANGE range = clip_ray(&ray, q);
-  const ROOT root = find_root(&ray, &range, q, max_pieces FINDER_PASS);
+  ROOT root = find_root(&ray, &range, q, max_pieces FINDER_PASS);
+#if IRT_REFINES
+  refine(&ray, &root, q);
+#endif
   write_results(&ray, &root, row * pitch + column * W, q, RESULTS_PASS PARAMETERS_PASS);
 }
 

@@ -10,6 +10,7 @@
 
 #include "error.h"
 #include "kernel/library.h"
+#include "program/text.h"
 #include "caps.h"
 
 namespace irt::kernel {
@@ -17,11 +18,9 @@ namespace {
 
 using program::Precision;
 
-bool in_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
-
 // Symbols become comments only if they are identifiers: nothing that a user writes can leave the comment.
 bool identifier(const std::string& name) {
-  return !name.empty() && name.size() <= limits::kIdentifierLength && std::all_of(name.begin(), name.end(), in_name);
+  return !name.empty() && name.size() <= limits::kIdentifierLength && std::all_of(name.begin(), name.end(), program::in_name);
 }
 
 // What packets, precision and outputs need.
@@ -44,6 +43,7 @@ std::string prelude(const Spec& spec) {
     define("IRT_PIECES", spec.pieces);
     define("IRT_SPLIT", spec.split);
     define("IRT_FINE", spec.wide_results);
+    define("IRT_REFINES", spec.refines);
     define("IRT_BEAMS", spec.beams);
     define("IRT_SHARPENS", spec.sharpens);
     if (spec.beams) {
@@ -62,7 +62,7 @@ std::string prelude(const Spec& spec) {
   if (spec.entry != Entry::Enclose) {
     // Rays are set up in `wide` reals.
     const std::string setup = spec.split ? "double" : real;
-    text += fmt::format("typedef {0} wide;\ntypedef {0}{1} FW;\n#define TO_LONG(m) convert_long{1}(m)\n#define WIDEN(v) {2}\n#define NARROW(v) {3}\n#define LOAD_WIDE(p) {4}\n",
+    text += fmt::format("typedef {0} wide;\ntypedef {0}{1} FW;\n#define TO_LONG(m) convert_long{1}(m)\n#define WIDEN(v) {2}\n#define NARROW(v) {3}\n#define LOAD_WIDE(p) {4}\n#define FINE(v) v\n",
                         setup, w, spec.split ? fmt::format("convert_double{}(v)", w) : "(v)",
                         spec.split ? fmt::format("convert_float{}(v)", w) : "(v)", spec.width == 1 ? "(*(p))" : fmt::format("vload{}(0, p)", w));
   }
@@ -116,15 +116,10 @@ bool pads(std::string_view name) {
 // The same definitions once more without pads, under names that begin with bare_.
 std::string without_pads(std::string_view text) {
   std::string out = "\n// ---- the same without pads\n#undef IRT_OUTWARD\n#define IRT_OUTWARD 0\n#define bare_LOWER(v, k) (v)\n#define bare_UPPER(v, k) (v)\n";
-  for (std::size_t at = 0; at < text.size();) {
-    std::size_t end = at;
-    while (end < text.size() && in_name(text[end])) ++end;
-    const std::string_view name = text.substr(at, end - at);
-    if (pads(name)) out += "bare_";
-    out += name;
-    at = end;
-    while (at < text.size() && !in_name(text[at])) out += text[at++];
-  }
+  out += program::renamed(text, [](std::string& to, std::string_view name) {
+    if (pads(name)) to += "bare_";
+    to += name;
+  });
   return out + "#undef IRT_OUTWARD\n#define IRT_OUTWARD 1\n";
 }
 
@@ -135,12 +130,13 @@ std::string enclosures(const program::Program& program, const Spec& spec) {
   };
   program::Emitted f = emit(program);
   const std::string formula = f.source;
-  if (spec.along) {
+  if (spec.along || spec.refines) {
     program::Emitted d = emit(program::along(program).value());
     f.files.merge(d.files);
     f.functions.merge(d.functions);
     f.source += d.source;
   }
+  if (spec.refines) f.source += program::emit_fine(program);
   // Files that others build on.
   if (f.files.count("affine_trigonometric.cl")) f.files.insert({"affine_divide.cl", "interval_trigonometric.cl"});
   if (f.files.count("affine_real_power.cl")) f.files.insert({"affine_exponential.cl", "interval_power.cl"});
@@ -233,6 +229,7 @@ std::string assemble(const program::Program& program, const Spec& spec) {
     include(spec.finder + ".cl");
     if (spec.normal || spec.rgb) include("normal.cl");
     if (spec.rgb) include("shade.cl");
+    if (spec.refines) include("refine.cl");
     include("results.cl");
     include(spec.beams ? "beams.cl" : spec.sharpens ? "sharpen.cl" : "trace.cl");
   }

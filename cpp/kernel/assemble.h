@@ -48,6 +48,7 @@ struct Spec {
   bool pieces = false;   // counted, ray by ray
   bool beams = false;    // the camera's rays start where beams end; needs kernels/contract.cl
   bool wide_results = false;  // depths and uncertainties are doubles, though packets are floats; needs split
+  bool refines = false;       // brackets of floats are narrowed down by values in double (kernels/refine.cl); needs wide_results, program::emit_fine
   bool sharpens = false; // rays are the brackets that such a kernel has found (kernels/sharpen.cl)
   bool along = false;    // with the derivative along the ray (program::along), by which roots are isolated
   bool slack = false;    // with arithmetic without pads and a bound of its rounding, where there is one (program::emit_slack)

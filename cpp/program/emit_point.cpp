@@ -20,14 +20,6 @@ std::vector<char> needed(const Program& program, Value result) {
   return need;
 }
 
-std::string value_function(const Program& program, Value result, const char* function, Precision precision) {
-  std::string text = fmt::format("static inline F {}(F x, F y, F z PARAMETERS) {{\n", function);
-  const auto need = needed(program, result);
-  for (Value v = 0; v <= result; ++v)
-    if (need[static_cast<std::size_t>(v)]) text += point_statement(program, v, precision, false);
-  return text + fmt::format("  return {};\n}}\n", name(result));
-}
-
 // The derivative of v along the direction, from those of its operands; empty where it is zero.
 std::string slope_of(const Program& program, Value v, Precision precision, const std::vector<char>& varies) {
   const Instruction& in = program[v];
@@ -51,6 +43,14 @@ std::string slope_of(const Program& program, Value v, Precision precision, const
 }
 
 }  // namespace
+
+std::string value_function(const Program& program, Value result, const char* function, Precision precision) {
+  std::string text = fmt::format("static inline F {}(F x, F y, F z PARAMETERS) {{\n", function);
+  const auto need = needed(program, result);
+  for (Value v = 0; v <= result; ++v)
+    if (need[static_cast<std::size_t>(v)]) text += point_statement(program, v, precision, false);
+  return text + fmt::format("  return {};\n}}\n", name(result));
+}
 
 std::string point_statement(const Program& program, Value v, Precision precision, bool derivative) {
   const Instruction& in = program[v];

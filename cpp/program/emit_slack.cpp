@@ -1,5 +1,5 @@
 // How far arithmetic without pads may be off: one pass with sums of magnitudes, and a count of roundings
-// (docs/architecture.md, "What rounding may do to a piece").
+// (docs/architecture.md, "What rounding may do to a piece"). The arithmetic is that of one of the algebras, or of values at points in double.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,17 +22,22 @@ double largest(const numerics::Bounds& b) { return std::max(std::fabs(b.lo), std
 
 // What products may lose to underflow is covered by their roundings if their magnitudes are so much larger.
 constexpr const char* kProduct = "fma({}, {}, (F)(R(64.0) * TINY / ULP))";
+constexpr double kPlaceRoundings = 256;  // what coordinates at points err by, in parts of their sizes (kernels/refine.cl)
 constexpr const char* kMore = "{} + (F)(R(64.0) * TINY / ULP)";
+
+enum class Arithmetic { interval, affine, point };
 
 class SlackEmitter {
  public:
-  SlackEmitter(const Program& program, Precision precision, bool affine) : program_(program), precision_(precision), affine_(affine) {}
+  // What points are computed in, double, need not be what the sizes are: `precision`.
+  SlackEmitter(const Program& program, Precision precision, Arithmetic arithmetic)
+      : program_(program), precision_(precision), affine_(arithmetic == Arithmetic::affine), point_(arithmetic == Arithmetic::point) {}
 
-  std::string run() {
+  std::string run(const char* function) {
     if (program_.has_region() || program_.derivative) return {};
     for (Value v = 0; v < static_cast<Value>(program_.code.size()); ++v) {
       if (program_.is_constant(v) && v != program_.result) {
-        sizes_.push_back({"(F)" + literal(largest(outward(program_[v].value, precision_))), affine_ ? 1.0 : 0.0});
+        sizes_.push_back({"(F)" + literal(largest(outward(program_[v].value, precision_))), point_ ? 2.0 : affine_ ? 1.0 : 0.0});
         continue;
       }
       Size s = size(v);
@@ -42,17 +47,17 @@ class SlackEmitter {
     }
     // Two more for the comparison with the result (BARE in kernels/form.cl); a hundredth for products of roundings, as much for those of this pass.
     const Size& result = sizes_[static_cast<std::size_t>(program_.result)];
-    const double count = 1.03 * (result.roundings + 2), half = precision_ == Precision::Double ? 0x1p-53 : 0x1p-24;
+    const double count = 1.03 * (result.roundings + 2), half = point_ || precision_ == Precision::Double ? 0x1p-53 : 0x1p-24;
     if (count * half > 0.01) return {};
-    return fmt::format("// How far the enclosure without pads may be off, from the magnitudes of the coordinates.\n"
-                       "static inline F irt_slack(F x, F y, F z PARAMETERS) {{\n{}  return (F){} * {};\n}}\n",
-                       text_, literal(nearest({count * half, count * half}, Precision::Single)), result.text);
+    return fmt::format("// How far {} may be off, from the magnitudes of the coordinates.\n"
+                       "static inline F {}(F x, F y, F z PARAMETERS) {{\n{}  return (F){} * {};\n}}\n",
+                       point_ ? "its value in double" : "the enclosure without pads", function, text_, literal(nearest({count * half, count * half}, Precision::Single)), result.text);
   }
 
  private:
   const Program& program_;
   Precision precision_;
-  bool affine_;
+  bool affine_, point_;
   std::string text_;
   std::vector<Size> sizes_;
 
@@ -66,8 +71,9 @@ class SlackEmitter {
     const double more = std::max(a.roundings, b.roundings) + 1, product = affine_ ? 3 : 1;
     if (affine_ && ((constant(in.a) && in.code != Code::Mul) || (constant(in.b) && in.code != Code::Add))) return {};
     switch (in.code) {
-      case Code::Coordinate: return {coordinate(in.index), 0};
+      case Code::Coordinate: return {coordinate(in.index), point_ ? kPlaceRoundings : 0};
       case Code::Parameter:
+        if (point_) return {};  // its ends are floats
         return {fmt::format(kMore, fmt::format("max(fabs((F)p[{}]), fabs((F)p[{}]))", 2 * in.index, 2 * in.index + 1)), affine_ ? 4.0 : 0.0};
       case Code::Neg: return {a.text, a.roundings};
       case Code::Add:
@@ -75,19 +81,23 @@ class SlackEmitter {
       case Code::Mul: {
         const double c = constant(in.a) ? nearest(program_[in.a].value, precision_) : 1;
         if (!(std::fabs(c) > 1e-30 && std::fabs(c) < 1e30)) return {};
-        return {fmt::format(kProduct, a.text, b.text), constant(in.a) ? b.roundings + 2 : a.roundings + b.roundings + product};
+        return {fmt::format(kProduct, a.text, b.text), constant(in.a) && !point_ ? b.roundings + 2 : a.roundings + b.roundings + product};
       }
       case Code::Sqr: return {fmt::format(kProduct, a.text, a.text), 2 * a.roundings + (affine_ ? 4 : 1)};
       case Code::Power: {  // affine: a square and a product, or two squares
         const double n = static_cast<double>(in.index);
-        if (affine_ && in.index > 4) return {};
-        if (!affine_) return {fmt::format(kMore, fmt::format("power_{}({})", in.index, a.text)), n * a.roundings + n};
+        if ((affine_ || point_) && in.index > 4) return {};
+        if (!affine_ && !point_) return {fmt::format(kMore, fmt::format("power_{}({})", in.index, a.text)), n * a.roundings + n};
         const std::string square = fmt::format(kProduct, a.text, a.text);
-        return {fmt::format(kProduct, square, in.index == 3 ? a.text : square), n * a.roundings + 12};
+        return {fmt::format(kProduct, square, in.index == 3 ? a.text : square), n * a.roundings + (point_ ? n : 12)};
       }
       case Code::Abs: return affine_ ? Size{} : a;
       case Code::Min:
       case Code::Max: return affine_ ? Size{} : Size{fmt::format("max({}, {})", a.text, b.text), more};
+      // Values up to 1, by builtins that err by four ulp: as if of a magnitude larger by 1 than their operand's, which their slopes do not exceed.
+      case Code::Sin:
+      case Code::Cos: return point_ ? Size{fmt::format("{} + (F)1", a.text), std::max(a.roundings, 8.0) + 1} : Size{};
+      case Code::Exp: return point_ && program_[in.a].nonpositive ? Size{fmt::format("{} + (F)1", a.text), std::max(a.roundings, 6.0) + 1} : Size{};
       default: return {};
     }
   }
@@ -95,6 +105,13 @@ class SlackEmitter {
 
 }  // namespace
 
-std::string emit_slack(const Program& program, Precision precision, bool affine) { return SlackEmitter(program, precision, affine).run(); }
+std::string emit_slack(const Program& program, Precision precision, bool affine) {
+  return SlackEmitter(program, precision, affine ? Arithmetic::affine : Arithmetic::interval).run("irt_slack");
+}
+
+std::string emit_fine(const Program& program) {
+  const std::string error = SlackEmitter(program, Precision::Single, Arithmetic::point).run("irt_fine_error");
+  return error.empty() ? "" : in_doubles(value_function(program, program.result, "irt_fine", Precision::Double)) + error;
+}
 
 }  // namespace irt::program

@@ -82,6 +82,12 @@ std::string power_function(long n) {
   return fmt::format("static inline F power_{0}(F a) {{\n{1}  return r;\n}}\n", n, power_chain("a", n, "r"));
 }
 
+bool in_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
+
+std::string in_doubles(std::string_view text) {
+  return renamed(text, [](std::string& out, std::string_view name) { out += name == "F" ? "FW" : name == "R" ? "FINE" : name; });
+}
+
 std::set<std::string> taylor_functions(const Program& program, Precision precision) {
   std::set<std::string> functions;
   for (const Instruction& in : program.code) {

@@ -31,6 +31,23 @@ std::string power_function(long n);
 // For each polynomial that is used, "static inline TAYLOR taylor_<index>(F c, F r) { ... }" (kernels/polynomial.cl).
 std::set<std::string> taylor_functions(const Program& program, Precision precision);
 
+// Whether c may stand in a name.
+bool in_name(char c);
+
+// The text with another name for each: append(out, name).
+template <class Append>
+std::string renamed(std::string_view text, const Append& append) {
+  std::string out;
+  out.reserve(text.size() + text.size() / 8);
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t end = at;
+    while (end < text.size() && in_name(text[end])) ++end;
+    if (end > at) append(out, text.substr(at, end - at));
+    for (at = end; at < text.size() && !in_name(text[at]); ++at) out += text[at];
+  }
+  return out;
+}
+
 // "x" to "z" and "dx" to "dz".
 std::string coordinate(std::int64_t index);
 
@@ -43,6 +60,12 @@ std::string mask(char kind, Value v);
 
 // Statements that compute the value of v at a point, and with `derivative` what its partial derivatives need.
 std::string point_statement(const Program& program, Value v, Precision precision, bool derivative);
+
+// static inline F function(F x, F y, F z PARAMETERS) { ... }: the value of `result` at a point.
+std::string value_function(const Program& program, Value result, const char* function, Precision precision);
+
+// The same text for packets of doubles in kernels of floats: FW for F, FINE for R.
+std::string in_doubles(std::string_view text);
 
 // The partial derivatives of v by its operands, as text; not those of Code::Select.
 std::vector<std::pair<Value, std::string>> partials_of(const Program& program, Value v, Precision precision);

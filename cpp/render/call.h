@@ -97,7 +97,7 @@ struct Options {
   bool bare = false;  // enclose_pieces by arithmetic without pads, widened by the bound of its rounding, where there is one
   PrecisionMode precision = PrecisionMode::Auto;
   double eps = 1e-3;
-  double first_eps = 0;            // that of a pass in single precision, whose brackets a pass in double narrows down to eps; 0: no such passes
+  double first_eps = 0;            // of brackets in single precision, which are narrowed down to eps in double, there or by a pass of its own; 0: none are
   std::vector<double> parameters;  // one for each of Program::inputs()
   int max_pieces = 0;              // 0: the default
   bool normal = true, rgb = true, pieces = false;

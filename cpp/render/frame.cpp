@@ -23,11 +23,13 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, pixels ? kernel::Entry::PixelList : kernel::Entry::Camera);
   spec.sharpens = before.has_value();
   spec.wide_results = options.first_eps > 0 && precision == Precision::Single;
+  spec.refines = spec.wide_results && options.eps < options.first_eps;  // not where brackets are all that is asked for
   spec.beams = !pixels && !before && beams_in(options, static_cast<std::size_t>(view.columns) * view.rows);
   const Precision wide = spec.split ? Precision::Double : precision;
   // Rows are as long as those of what is narrowed down, whose packets are wider.
   const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, before ? static_cast<int>(before->pitch) : spec.width);
-  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
+  Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
+  if (spec.refines) settings.set(8, options.first_eps);
   Answer answer = before   ? std::move(*before)
                   : pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
                            : make_answer(view.columns, view.rows, spec.width, spec.wide_results ? Precision::Double : precision, options);
@@ -68,6 +70,14 @@ Answer sharpened(const program::Program& program, const View& view, const Bounds
   answer = pass(program, view, bounds, rest, device, Precision::Double, nullptr, 0, std::move(answer));
   if (answer.outcome == device::Outcome::done) answer.outcome = before;
   return answer;
+}
+
+// Whether brackets of floats can be narrowed down where they are found (kernels/refine.cl).
+bool refinable(const program::Program& program, const Bounds& bounds, const Options& options) {
+  const glm::dvec3 most = glm::max(brackets_reach(bounds), glm::dvec3(1));  // the changes of coordinates along a ray as well
+  const auto derivative = program::along(program);
+  return derivative && !needs_infinities(program, most, options, Precision::Single) && !needs_infinities(*derivative, most, options, Precision::Single) &&
+         !program::emit_fine(program).empty();
 }
 
 // Depths as kernels/neighbours.cl wants them.
@@ -118,7 +128,9 @@ Answer camera_passes(const program::Program& program, const Formulas& formulas, 
   const bool sharpens = options.first_eps > 0 && !pixels;
   const Precision first = options.precision == PrecisionMode::Double || options.first_eps > 0 ? Precision::Double : Precision::Single;
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64 && (sharpens || first == Precision::Single);
-  Answer answer = sharpens ? sharpened(program, view, bounds, options, device) : pass(program, view, bounds, options, device, first, pixels, pitch);
+  const bool refines = sharpens && refinable(program, bounds, options);
+  Answer answer = sharpens && !refines ? sharpened(program, view, bounds, options, device)
+                                       : pass(program, view, bounds, options, device, refines ? Precision::Single : first, pixels, pitch);
   if (!second || answer.outcome != device::Outcome::done) return answer;
   const auto named = [&](std::vector<std::size_t> which) {
     if (pixels)
@@ -171,6 +183,7 @@ std::string frame_source(const program::Program& program, const Bounds& bounds, 
   const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::Camera);
   spec.beams = beams_in(options, 640 * 480);
+  spec.wide_results = spec.refines = options.first_eps > 0 && refinable(program, bounds, options);
   return kernel::assemble(program, spec);
 }
 

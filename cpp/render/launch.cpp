@@ -22,7 +22,7 @@ namespace irt::render {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kSettings = 26;
+constexpr std::size_t kSettings = 27;
 // Packets of a work-item, and how many items a frame has at least while it has more than one packet in each.
 constexpr std::size_t kMostPackets = 8, kLeastItems = 256;
 
@@ -131,6 +131,8 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
   return !(program::magnitude(program, at, parameters) < (precision == program::Precision::Double ? 1e300 : 1e36));
 }
 
+glm::dvec3 brackets_reach(const Bounds& bounds) { return 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)); }
+
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
   Reals ends(precision, 2 * program.inputs());
   for (std::size_t i = 0; i < program.inputs(); ++i) {
@@ -169,6 +171,7 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   q.set_above(6, reach(bounds));
   q.set_above(7, position_pad);
   q.set(8, options.eps);
+  q.set(26, options.eps);
   q.set_below(9, near);
   q.set_above(10, near);
   q.set(23, glm::length(options.light) > 0 ? 1 : 0);
@@ -231,8 +234,7 @@ namespace {
 
 // What of a specification depends on the values of f: infinities, and whether the derivative along the ray helps.
 void set_enclosures(kernel::Spec& spec, const program::Program& program, const Bounds& bounds, const Options& options) {
-  // Brackets may reach a little out of the bounds.
-  const glm::dvec3 coordinates = 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
+  const glm::dvec3 coordinates = brackets_reach(bounds);
   spec.infinite = needs_infinities(program, coordinates, options, spec.precision);
   if (options.finder == "mitchell") {
     const auto derivative = program::along(program);

@@ -16,6 +16,9 @@ int packet_width(const device::Device& device, program::Precision precision);
 // Whether rays are set up in double for a kernel of single precision.
 bool splits(const device::Device& device, const Options& options, program::Precision precision);
 
+// How large coordinates of pieces get: brackets may reach a little out of the bounds.
+glm::dvec3 brackets_reach(const Bounds& bounds);
+
 // Whether values may overflow for coordinates and parameters of these sizes.
 bool needs_infinities(const program::Program& program, const glm::dvec3& coordinates, const Options& options,
                       program::Precision precision);
