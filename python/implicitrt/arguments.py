@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -63,21 +64,29 @@ def parameter_names(expr: Expr, bounds: Bounds | None) -> list[str]:
 def color_of(value: Any, what: str) -> tuple[float, float, float]:
     """A CSS name, "#rrggbb" or three numbers from 0 to 1 (sRGB), in linear light."""
     if isinstance(value, str):
-        from PIL import ImageColor
-
         try:
-            rgb = [c / 255 for c in ImageColor.getrgb(value)[:3]]
+            return _named_color(value)
         except ValueError:
             raise ArgumentError(
                 f"{what} {value!r} is no colour; use a CSS name, '#rrggbb' or three numbers 0..1"
             ) from None
-    else:
-        try:
-            rgb = [float(c) for c in value]
-        except (TypeError, ValueError, OverflowError):
-            rgb = []
-        if len(rgb) != 3 or not all(0 <= c <= 1 for c in rgb):
-            raise ArgumentError(f"{what} must be a CSS name, '#rrggbb' or three numbers from 0 to 1, not {value!r}")
+    try:
+        rgb = [float(c) for c in value]
+    except (TypeError, ValueError, OverflowError):
+        rgb = []
+    if len(rgb) != 3 or not all(0 <= c <= 1 for c in rgb):
+        raise ArgumentError(f"{what} must be a CSS name, '#rrggbb' or three numbers from 0 to 1, not {value!r}")
+    return _linear(rgb)
+
+
+@lru_cache(maxsize=64)
+def _named_color(name: str) -> tuple[float, float, float]:
+    from PIL import ImageColor
+
+    return _linear([c / 255 for c in ImageColor.getrgb(name)[:3]])
+
+
+def _linear(rgb: list[float]) -> tuple[float, float, float]:
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in rgb]
     return (linear[0], linear[1], linear[2])
 

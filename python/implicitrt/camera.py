@@ -24,6 +24,8 @@ DEFAULT_DIRECTION = (0.48, 0.36, 0.8)
 
 def point(value: Any, what: str) -> tuple[float, float, float]:
     """Three finite numbers, or an ArgumentError that names `what`."""
+    if type(value) is tuple and len(value) == 3 and all(type(v) in (int, float) and abs(v) <= 1e15 for v in value):
+        return (float(value[0]), float(value[1]), float(value[2]))  # as most are
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -48,10 +50,16 @@ def number(value: Any, what: str) -> float:
     return found
 
 
-def _cross(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """np.cross of two vectors, which takes fifty times as long."""
-    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+Vector = tuple[float, float, float]
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    (ax, ay, az), (bx, by, bz) = a, b
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+def _over(a: Vector, length: float) -> Vector:
+    return a[0] / length, a[1] / length, a[2] / length
 
 
 @dataclass(frozen=True)
@@ -101,24 +109,28 @@ class Camera:
         put(self, "height", None if height is None else number(height, "height"))
         if self.height is not None and not 0 < self.height <= 1e15:
             raise ArgumentError(f"height must be positive, not {height!r}")
-        self.basis()  # raises where it is degenerate
+        self._axes()  # raises where it is degenerate
 
     def basis(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Unit vectors (right, true up, forward), each of shape (3,)."""
-        origin, target, up = (np.array(v) for v in (self.origin, self.target, self.up))
-        forward = target - origin
-        distance = float(np.linalg.norm(forward))
+        right, up, forward = self._axes()
+        return np.array(right), np.array(up), np.array(forward)
+
+    def _axes(self) -> tuple[Vector, Vector, Vector]:
+        # Each frame asks for them: numbers take a tenth of the time that arrays of three take.
+        (ox, oy, oz), (tx, ty, tz) = self.origin, self.target
+        towards = (tx - ox, ty - oy, tz - oz)
+        distance, length = math.hypot(*towards), math.hypot(*self.up)
         if distance == 0:
             raise ArgumentError(f"the camera's origin and target are the same point {self.origin}")
-        length = float(np.linalg.norm(up))
         if length == 0:
             raise ArgumentError("the camera's up is the zero vector")
-        forward = forward / distance
-        right = _cross(forward, up / length)
-        across = float(np.linalg.norm(right))
+        forward = _over(towards, distance)
+        sideways = _cross(forward, _over(self.up, length))
+        across = math.hypot(*sideways)
         if across < 1e-9:
             raise ArgumentError(f"the camera's up {self.up} is parallel to its view; choose another, such as (0, 0, 1)")
-        right = right / across
+        right = _over(sideways, across)
         return right, _cross(right, forward), forward
 
     def framed(self, bounds: Bounds) -> Camera:
@@ -163,12 +175,12 @@ class Camera:
 
     def request(self) -> dict[str, Any]:
         """What the core needs to make the rays."""
-        right, up, forward = self.basis()
+        right, up, forward = self._axes()
         return {
             "origin": self.origin,
-            "right": tuple(right.tolist()),
-            "up": tuple(up.tolist()),
-            "forward": tuple(forward.tolist()),
+            "right": right,
+            "up": up,
+            "forward": forward,
             "perspective": self.projection == "perspective",
             "tan_half_fov": math.tan(math.radians(self.fov) / 2),
             "height": self.height,

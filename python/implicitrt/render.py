@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
@@ -171,12 +172,11 @@ def _samples(antialias: Any) -> int:
 
 
 def _unit(light: Any) -> tuple[float, float, float]:
-    direction = np.array(point(light, "light"))
-    length = float(np.linalg.norm(direction))
+    x, y, z = point(light, "light")
+    length = math.hypot(x, y, z)
     if length == 0:
         raise ArgumentError("light is a direction towards the light, not the zero vector; None means no light")
-    unit = direction / length
-    return (float(unit[0]), float(unit[1]), float(unit[2]))
+    return x / length, y / length, z / length
 
 
 def kernel_source(
