@@ -15,7 +15,23 @@
 #define FIRST_EPS EPS
 #endif
 
-static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER) {
+// The packets of a work-item lie side by side in a row: those in one tile share what its first cells become by contraction with the row.
+#if W > 1 && IRT_TILE > W && !IRT_LIST
+#define MOST_SHARED (N <= 13 ? 8 : 2)
+typedef struct {
+  int tile, known;  // a bit for each cell
+  real planes[MOST_SHARED][N * IRT_MOST_TERMS + W];
+} SHARED;
+#define SHARED_BEGIN SHARED shared[1]; shared->tile = -1;
+#define SHARED_DECL , SHARED *shared
+#define SHARED_PASS , shared
+#else
+#define SHARED_BEGIN
+#define SHARED_DECL
+#define SHARED_PASS
+#endif
+
+static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER SHARED_DECL) {
   ROOT root;
   root.status = MISS;
   root.half_width = (F)0;
@@ -40,6 +56,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   // Where the frame before had its root: depths as then, from a plane through the middle of the bounds.
   const F before = TO_F(LOAD(previous + pixel_row * previous_pitch + first)) / NARROW(ray->length) - (F)VIEW(13);
 #endif
+#ifdef MOST_SHARED
+  if (shared->tile != tile) shared->tile = tile, shared->known = 0;
+#endif
   for (int k = on_screen ? tiles[tile] : 0; k < end && ANY(active); ++k) {
     const real near = slabs[4 * k], length = slabs[4 * k + 1], inverse = R(1.0) / length;
     const F slack = (F)(R(8.0) * ULP * max(RADIUS * inverse, R(1.0)));
@@ -50,8 +69,17 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     if (!ANY(lanes)) continue;
     const int down = shapes[4 * k], across = shapes[4 * k + 1];
     __global const real* here = form + (size_t)shapes[4 * k + 2] * CELL_STEP;
-    real plane[N * IRT_MOST_TERMS + W];
+    real own[N * IRT_MOST_TERMS + W];
+#ifdef MOST_SHARED
+    const int cell_of_tile = k - tiles[tile];
+    const bool shares = cell_of_tile < MOST_SHARED;
+    real* plane = shares ? shared->planes[cell_of_tile] : own;
+    if (!shares || !(shared->known >> cell_of_tile & 1)) contract_row(here, row, ACROSS, down, N * across, plane);
+    if (shares) shared->known |= 1 << cell_of_tile;
+#else
+    real* plane = own;
     contract_row(here, row, ACROSS, down, N * across, plane);
+#endif
     contract_columns(plane, column, ACROSS, across, cell.c);
 #if IRT_OUTWARD
     cell.error = (F)slabs[4 * k + 2];
@@ -88,8 +116,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
       F slopes[N];
       contract_columns(plane, column, SLOPE, across, slopes);
       const F along_x = value_at(slopes, IRT_DEGREE, middle);
-      contract_row(here, row, SLOPE, down, N * across, plane);
-      contract_columns(plane, column, ACROSS, across, slopes);
+      contract_row(here, row, SLOPE, down, N * across, own);
+      contract_columns(own, column, ACROSS, across, slopes);
       const F along_y = value_at(slopes, IRT_DEGREE, middle);
       for (int i = 0; i < IRT_DEGREE; ++i) slopes[i] = IRT_DEGREE * (cell.c[i + 1] - cell.c[i]);
       const F along_s = value_at(slopes, IRT_DEGREE - 1, middle) * inverse;

@@ -110,10 +110,18 @@ static inline void write_results(const RAY* ray, const ROOT* root, const PLACE a
 #endif
 }
 
+// What the packets of a work-item share (frustum_cells.cl).
+#ifndef SHARED_DECL
+#define SHARED_BEGIN
+#define SHARED_DECL
+#define SHARED_PASS
+#endif
+
 // The kernel of a call, by what does one packet. A work-item has `packets` of a row: drivers for CPUs spend as much on a work-item as a packet
 // that misses takes. The hint tells them that packets are vectors already (Intel's would try to make wider ones, for seconds).
 #define TRACE_KERNEL(trace_one) \
   __kernel __attribute__((vec_type_hint(F))) void trace(TRACE_DECL, const int packets, const int first_column, const int first_row) { \
     const size_t first = (first_column + get_global_id(0)) * packets, end = min(first + packets, (size_t)(pitch / W)); \
-    for (size_t column = first; column < end; ++column) trace_one(column, first_row + get_global_id(1), TRACE_PASS); \
+    SHARED_BEGIN \
+    for (size_t column = first; column < end; ++column) trace_one(column, first_row + get_global_id(1), TRACE_PASS SHARED_PASS); \
   }

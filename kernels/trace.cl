@@ -3,10 +3,10 @@
 #define TRACE_PASS RAY_PASS, q, pitch, max_pieces, RESULTS_PASS ARGUMENTS_PASS
 
 // Not inlined: PoCL makes three functions of every kernel, and would compile all of this in each.
-__attribute__((noinline)) void trace_packet(const size_t column, const size_t row, TRACE_DECL) {
+__attribute__((noinline)) void trace_packet(const size_t column, const size_t row, TRACE_DECL SHARED_DECL) {
   const RAY ray = make_ray(RAY_PASS, q, column, row);
   const RANGE range = clip_ray(&ray, q);
-  ROOT root = find_root(&ray, &range, q, max_pieces FINDER_PASS);
+  ROOT root = find_root(&ray, &range, q, max_pieces FINDER_PASS SHARED_PASS);
 #if IRT_REFINES
   refine(&ray, &root, q);
 #endif
