@@ -15,21 +15,37 @@
 #define FIRST_EPS EPS
 #endif
 
-// The packets of a work-item lie side by side in a row: those in one tile share what its first cells become by contraction with the row.
+// The packets of a work-item lie side by side in a row: those in one tile share what its first cells become by contraction with the row. PLANE takes that from
+// `planes`, by whose bits in `known` it is there already, or makes it, elsewhere for later cells.
 #if W > 1 && IRT_TILE > W && !IRT_LIST
 #define MOST_SHARED (N <= 13 ? 8 : 2)
 typedef struct {
-  int tile, known;  // a bit for each cell
+  int tile, known;
   real planes[MOST_SHARED][N * IRT_MOST_TERMS + W];
+#if IRT_FINE
+  int fine_known;
+  wide fine_planes[MOST_SHARED][FINE_TERMS * FINE_TERMS + W];
+#endif
 } SHARED;
 #define SHARED_BEGIN SHARED shared[1]; shared->tile = -1;
 #define SHARED_DECL , SHARED *shared
 #define SHARED_PASS , shared
+#define PLANE(plane, planes, known, own, contraction) \
+  const bool shares##plane = k - tiles[tile] < MOST_SHARED; \
+  plane = shares##plane ? shared->planes[k - tiles[tile]] : own; \
+  if (!shares##plane || !(shared->known >> (k - tiles[tile]) & 1)) contraction(plane); \
+  if (shares##plane) shared->known |= 1 << (k - tiles[tile]);
 #else
 #define SHARED_BEGIN
 #define SHARED_DECL
 #define SHARED_PASS
+#define PLANE(plane, planes, known, own, contraction) \
+  plane = own; \
+  contraction(plane);
 #endif
+
+#define CONTRACTED(plane) contract_row(here, row, ACROSS, down, N * across, plane)
+#define FINE_CONTRACTED(plane) contract_fine_row(fine_form + (size_t)shapes[4 * k + 3] * CELL_STEP, row, FINE_ACROSS, FINE_TERMS, FINE_TERMS * FINE_TERMS, plane)
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER SHARED_DECL) {
   ROOT root;
@@ -57,7 +73,13 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   const F before = TO_F(LOAD(previous + pixel_row * previous_pitch + first)) / NARROW(ray->length) - (F)VIEW(13);
 #endif
 #ifdef MOST_SHARED
-  if (shared->tile != tile) shared->tile = tile, shared->known = 0;
+  if (shared->tile != tile) {
+    shared->tile = tile;
+    shared->known = 0;
+#if IRT_FINE
+    shared->fine_known = 0;
+#endif
+  }
 #endif
   for (int k = on_screen ? tiles[tile] : 0; k < end && ANY(active); ++k) {
     const real near = slabs[4 * k], length = slabs[4 * k + 1], inverse = R(1.0) / length;
@@ -70,16 +92,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const int down = shapes[4 * k], across = shapes[4 * k + 1];
     __global const real* here = form + (size_t)shapes[4 * k + 2] * CELL_STEP;
     real own[N * IRT_MOST_TERMS + W];
-#ifdef MOST_SHARED
-    const int cell_of_tile = k - tiles[tile];
-    const bool shares = cell_of_tile < MOST_SHARED;
-    real* plane = shares ? shared->planes[cell_of_tile] : own;
-    if (!shares || !(shared->known >> cell_of_tile & 1)) contract_row(here, row, ACROSS, down, N * across, plane);
-    if (shares) shared->known |= 1 << cell_of_tile;
-#else
-    real* plane = own;
-    contract_row(here, row, ACROSS, down, N * across, plane);
-#endif
+    real* plane;
+    PLANE(plane, planes, known, own, CONTRACTED)
     contract_columns(plane, column, ACROSS, across, cell.c);
 #if IRT_OUTWARD
     cell.error = (F)slabs[4 * k + 2];
@@ -105,7 +119,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     root.half_width = SELECT(ended, max(found.hi - middle, middle - found.lo) * length * (R(1.0) + R(4.0) * ULP), root.half_width);
 #if IRT_FINE
     root.at = SELECT_WIDE(ended, fma(WIDEN(middle), (FW)length, (FW)near), root.at);
-    if (ANY(found.hits)) refine(ray, &root, found.hits, q, near, length, slabs[4 * k + 3], column, row, fine_form + (size_t)shapes[4 * k + 3] * CELL_STEP, fine_basis);
+    if (ANY(found.hits)) {
+      wide fine_own[FINE_TERMS * FINE_TERMS + W], *fine_plane;
+      PLANE(fine_plane, fine_planes, fine_known, fine_own, FINE_CONTRACTED)
+      refine(ray, &root, found.hits, q, near, length, slabs[4 * k + 3], column, fine_plane, fine_basis);
+    }
 #else
     at = SELECT(ended, middle, at);
     at_near = SELECT(ended, (F)near, at_near);

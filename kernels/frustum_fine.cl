@@ -37,13 +37,13 @@ static inline I changes_sign(RISE f, F off, F wanted, real bound) {
 }
 
 // Narrows brackets of `lanes` down to eps where that can be proven; others stay as they are, wide. The cell: s at its near end, its length, the error of its
-// coefficients.
+// coefficients, and these contracted with the row.
 //
 // f(u + d) is f(u) + d f'(u), to within half of d^2 times the largest second derivative: over a bracket that is small beside eps, so that only f(u) needs
 // doubles. All this is said of the polynomial that the coefficients are: f itself differs from it by the bound of their error. Where it rises or falls all over the
 // bracket, and is beyond the bound on both sides of the new one, f is nonzero between them: the root that is known to be there lies in the new one.
-static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const real* q, real near, real length, real error, int column, int row,
-                          __global const wide* form, __global const wide* fine_basis) {
+static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const real* q, real near, real length, real error, int column, const wide* plane,
+                          __global const wide* fine_basis) {
   const F reach = (F)(R(0.45) * EPS) / NARROW(ray->length);  // half the width that is wanted, in s
   const wide begin = near;
   const real inverse = R(1.0) / length, bound = R(1.07) * (error + FINE_VALUE_ERROR);
@@ -51,9 +51,7 @@ static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const re
   const F u = NARROW(place), known = root->half_width * inverse, wanted = reach * inverse, r = wanted + wanted + known;
   const I here = lanes & GT(u, (F)-BEYOND + r) & LT(u, R(1.0) + BEYOND - r);
   if (!ANY(here)) return;
-  wide plane[FINE_TERMS * FINE_TERMS + W];
   FW c[FINE_TERMS];
-  contract_fine_row(form, row, FINE_ACROSS, FINE_TERMS, FINE_TERMS * FINE_TERMS, plane);
   contract_fine_columns(plane, column, FINE_ACROSS, FINE_TERMS, c);
   F first[FINE_TERMS], second[FINE_TERMS];  // differences
   F size = (F)0, bend = (F)0;
