@@ -392,7 +392,8 @@ def _open(wanted: str) -> _core.Device:
         key = (best.path, width or best.width)
         if key not in _opened:
             _prepare_cache(best)
-            _opened[key] = _core.load_device(best.path, best.driver, key[1])
+            with _threads_pinned(best):
+                _opened[key] = _core.load_device(best.path, best.driver, key[1])
             atexit.register(_opened[key].finish)  # no driver survives being left while it compiles
         _choices[wanted] = _opened[key]
         return _opened[key]
@@ -427,6 +428,22 @@ def _nothing(found: list[Device], matching: list[Device], wanted: str) -> str:
     if wanted and not matching:
         return f"no OpenCL device matches '{wanted}'. Found:\n{tried}"
     return f"no OpenCL driver works. Tried:\n{tried}\n{_INSTALL}. To try these again, delete {_memory_file()}"
+
+
+@contextlib.contextmanager
+def _threads_pinned(device: Device) -> Iterator[None]:
+    """PoCL makes its threads meanwhile, one for each processor, and keeps each on its own: Linux wakes two on one processor often enough that a quarter of
+    the frames take twice as long. Not where the process may not use all processors, or where the environment says how PoCL's threads are to be."""
+    chosen = any(name.startswith(("POCL_AFFINITY", "POCL_MAX", "POCL_CPU")) for name in os.environ)
+    all_of_them = hasattr(os, "sched_getaffinity") and os.sched_getaffinity(0) == set(range(os.cpu_count() or 0))
+    if "pocl" not in device.driver or chosen or not all_of_them:
+        yield
+        return
+    os.environ["POCL_AFFINITY"] = "1"
+    try:
+        yield
+    finally:
+        del os.environ["POCL_AFFINITY"]
 
 
 def _prepare_cache(device: Device) -> None:

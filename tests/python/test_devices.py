@@ -195,6 +195,29 @@ def test_a_forked_child_gets_an_error_instead_of_hanging() -> None:
     child.join(10)
 
 
+THREADS = """
+import os, pathlib
+import implicitrt as irt
+print("pocl" in irt.render("z", size=(8, 8)).stats.driver, "POCL_AFFINITY" in os.environ)
+for task in pathlib.Path("/proc/self/task").iterdir():
+    print([line.split()[1] for line in (task / "status").read_text().splitlines() if line.startswith("Cpus_allowed_list")][0])
+"""
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "sched_getaffinity") or os.cpu_count() == 1 or os.sched_getaffinity(0) != set(range(os.cpu_count() or 0)),
+    reason="threads are pinned where a process may use all of several processors",
+)
+@pytest.mark.parametrize(("before", "env", "pinned"), [("", {}, True), ("import os; os.sched_setaffinity(0, {0})", {}, False), ("", {"POCL_AFFINITY": "0"}, False)])
+def test_threads_stay_where_they_are_if_they_may_use_all_processors(before: str, env: dict[str, str], pinned: bool) -> None:
+    (pocl, kept), *allowed = (line.split() for line in _child(before + THREADS, **env).stdout.splitlines())
+    if pocl != "True":
+        pytest.skip("PoCL is not the best driver here")
+    own, each = {line[0] for line in allowed}, {str(k) for k in range(os.cpu_count() or 0)}
+    assert kept == str("POCL_AFFINITY" in env)
+    assert each <= own if pinned else len(own) == 1
+
+
 def test_widths_can_be_chosen() -> None:
     assert open_device(":1").width == 1
     with pytest.raises(irt.DeviceError, match="packets of 3"):
