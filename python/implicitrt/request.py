@@ -18,8 +18,8 @@ from implicitrt.expression import Expr
 from implicitrt.frame import Stats, Status
 from implicitrt.methods import ENTRIES, Entry, checked_steps, resolve
 
-# Where eps is below so many times what single precision resolves, frames by these root finders take two passes: single precision proves brackets
-# of BRACKETS times that, which it does quickly, and double narrows them down to eps (docs/performance.md). Below FINEST times that double cannot
+# Where eps is below so many times what single precision resolves, in frames by these root finders single precision proves brackets of BRACKETS times that, which it
+# does quickly, and they are narrowed down to eps in double, at once (kernels/refine.cl) or by a second pass (kernels/sharpen.cl). Below FINEST times that double cannot
 # reach eps either, and would look twice.
 BLUNT, BRACKETS, FINEST = 30.0, 300.0, 2.0**-22
 SHARPENED = {"bisection", "contract", "mitchell"}
