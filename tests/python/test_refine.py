@@ -136,3 +136,13 @@ def test_roots_that_nearly_meet_are_told_apart() -> None:
         hit = frame.status == irt.Status.HIT
         assert (np.abs(frame.depth[hit] - (9 - 1 / 3)) <= frame.uncertainty[hit] + 1e-12).all(), k
         assert (frame.status != irt.Status.MISS).all()
+
+
+def test_drivers_and_widths_agree(device: str) -> None:
+    f, camera = "sin(3*x)*cos(2*y) + z - exp(-x^2)/2", irt.Camera(origin=(2.5, 2.1, 6.3))
+    truth = irt.reference(f, 2, camera, (53, 37))
+    for beams in (False, True):
+        frame = irt.render(f, bounds=2, camera=camera, size=(53, 37), method=irt.Contraction(beams=beams), eps=1e-7, device=device, outputs=())
+        hit = truth.hit & (frame.status == irt.Status.HIT)
+        assert (frame.status == truth.kind).mean() > 0.99
+        assert (np.abs(frame.depth[hit] - truth.depth[hit]) <= frame.uncertainty[hit] + 1e-13).all() and (2 * frame.uncertainty[hit] <= 1e-7).all()
