@@ -81,6 +81,8 @@ def _calls() -> Iterator[tuple[str, Callable[[], Any]]]:
         yield f"regions, {method}", lambda m=method: irt.render("x^2 + a y^2 + z^2 - 1", **(with_parameters | {"bounds": regions}), method=m, params={"a": 1.1})
     # Frames of fewer pixels refine no roots.
     yield "refined", lambda: irt.render(BALL, **(small | {"size": (128, 128)}), method="frustum-newton", eps=1e-6, outputs=("normal",))
+    for label, method in (("contract", "contract"), ("beams", irt.Contraction(beams=True)), ("ia", "ia")):
+        yield f"narrowed down, {label}", lambda m=method: irt.render("sin(x)*y + z - exp(-x^2)/2", **small, method=m, eps=1e-6, outputs=("normal", "pieces"))
     yield "neighbours", lambda: irt.render(BALL, normals="neighbours", **small)
     yield "silhouettes", lambda: irt.render(BALL, antialias="silhouette", **small)
     yield "isovalue", lambda: irt.render("x^2 + y^2", isovalue=0.5, background=None, **with_parameters)
