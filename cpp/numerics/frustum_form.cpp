@@ -24,7 +24,7 @@ namespace {
 
 // Cells may always be as inexact as this, in parts of their largest coefficient: those of floats, those by which roots are refined as well, those of doubles. What
 // is less exact leaves pixels beside nodes wide.
-constexpr double kExactEnough = 1e-7, kExactToRefine = 1e-8, kExactInDoubles = 1e-9;
+constexpr double kExactEnough = 1e-7, kExactToRefine = 1e-8, kExactInDoubles = 1e-11;
 // Cuts of a column of tiles after which double takes over at the latest.
 constexpr int kPreciseCuts = 6;
 // What reduction may lose in each direction, in halves of an ulp of the largest coefficient.
