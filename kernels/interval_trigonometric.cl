@@ -9,6 +9,11 @@
 #define WAVE_REACH (R(0.1) / ULP)
 #define WAVE_CLIP(x) clamp(x, (F)(-WAVE_REACH), (F)WAVE_REACH)
 
+// Of doubles in kernels of floats (refine.cl): where these are clipped their error exceeds all that a sine can be.
+#define FINE_CLIP(x) clamp(x, (FW)-0x1p48, (FW)0x1p48)
+#define FINE_SIN(x) sin(FINE_CLIP(x))
+#define FINE_COS(x) cos(FINE_CLIP(x))
+
 // Turns from `offset` to the ends, widened by the rounding of x / (2 pi): an ulp and a half of that in all. What rounding the offset adds
 // is at most an ulp of a turn: missing an extreme by that changes the value by its square only, and at poles the ends have the wrong order.
 #define TURN R(0.15915494309189533577)

@@ -9,7 +9,7 @@
 static inline F fine_size(F place, F start, F way, __global const real* q) {
   return fabs(place) + (F)R(0x1p-8) * (fma((F)RADIUS, fabs(way), fabs(start)) + fabs(place) + (F)(POSITION_PAD * R(0x1p53)));
 }
-#define PLACE_ERROR ((F)R(0x1p-45) * size)
+#define PLACE_ERROR ((F)R(0x1p-45) * size)  // these 256
 
 // A coordinate within `reach` of a place, which was rounded to a float, and its change along the ray, which a 2 RADIUS long one errs by twice POSITION_PAD on.
 #if IRT_AFFINE

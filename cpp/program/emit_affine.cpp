@@ -47,7 +47,7 @@ class AffineEmitter {
   std::string text_;
   Emitted out_;
 
-  // What forms are there of a value: none, or a number times one, which sums of it need not have (scaled_sum).
+  // In has_form_: the form is a number times another one, and not in the text yet: sums of it need not have it (scaled_sum).
   static constexpr char kScaled = 2;
 
   std::string form(Value v) {

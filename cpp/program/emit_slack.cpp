@@ -22,14 +22,14 @@ double largest(const numerics::Bounds& b) { return std::max(std::fabs(b.lo), std
 
 // What products may lose to underflow is covered by their roundings if their magnitudes are so much larger.
 constexpr const char* kProduct = "fma({}, {}, (F)(R(64.0) * TINY / ULP))";
-constexpr double kPlaceRoundings = 256;  // what coordinates at points err by, in parts of their sizes (kernels/refine.cl)
 constexpr const char* kMore = "{} + (F)(R(64.0) * TINY / ULP)";
+constexpr double kPlaceRoundings = 256;  // so many are what a coordinate at a point is off by (fine_size in kernels/refine.cl)
 
 enum class Arithmetic { interval, affine, point };
 
 class SlackEmitter {
  public:
-  // What points are computed in, double, need not be what the sizes are: `precision`.
+  // Sizes are reals of `precision`; values at points are doubles, whatever that is.
   SlackEmitter(const Program& program, Precision precision, Arithmetic arithmetic)
       : program_(program), precision_(precision), affine_(arithmetic == Arithmetic::affine), point_(arithmetic == Arithmetic::point) {}
 

@@ -85,7 +85,9 @@ std::string power_function(long n) {
 bool in_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
 
 std::string in_doubles(std::string_view text) {
-  return renamed(text, [](std::string& out, std::string_view name) { out += name == "F" ? "FW" : name == "R" ? "FINE" : name; });
+  return renamed(text, [](std::string& out, std::string_view name) {
+    out += name == "F" ? "FW" : name == "R" ? "FINE" : name == "sin" ? "FINE_SIN" : name == "cos" ? "FINE_COS" : name;
+  });
 }
 
 std::set<std::string> taylor_functions(const Program& program, Precision precision) {

@@ -64,7 +64,7 @@ std::string point_statement(const Program& program, Value v, Precision precision
 // static inline F function(F x, F y, F z PARAMETERS) { ... }: the value of `result` at a point.
 std::string value_function(const Program& program, Value result, const char* function, Precision precision);
 
-// The same text for packets of doubles in kernels of floats: FW for F, FINE for R.
+// The same text for packets of doubles in kernels of floats: FW for F, FINE for R, FINE_SIN and FINE_COS (kernels/interval_trigonometric.cl).
 std::string in_doubles(std::string_view text);
 
 // The partial derivatives of v by its operands, as text; not those of Code::Select.

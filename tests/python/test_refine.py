@@ -39,8 +39,8 @@ static float fma(float a, float b, float c) { return std::fmaf(a, b, c); }
 static double sine(double v) { return off(std::sin(v), 3); }
 static double cosine(double v) { return off(std::cos(v), 3); }
 static double exponential(double v) { return off(std::exp(v), 2); }
-#define sin sine
-#define cos cosine
+#define FINE_SIN sine
+#define FINE_COS cosine
 #define exp exponential
 using std::fabs;
 """
