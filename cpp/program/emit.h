@@ -39,9 +39,9 @@ Emitted emit_affine(const Program& program, Precision precision, bool infinite);
 // overflows. Empty for programs with operators whose rounding has no bound of this kind, and for those with a region.
 std::string emit_slack(const Program& program, Precision precision, bool affine);
 
-// static inline FW irt_fine(FW x, FW y, FW z PARAMETERS): the value in double, in kernels whose packets are floats; and static inline F irt_fine_error(F x,
-// F y, F z PARAMETERS): how far from the exact one, from sizes of the coordinates that have room for their own errors (kernels/refine.cl). Empty for programs with
-// parameters, whose ends are floats there, and with operators whose error has no such bound.
+// static inline FW irt_fine(FW x, FW y, FW z PARAMETERS): the value in double, in kernels whose packets are floats; and static inline F irt_fine_error(F x, F y, F z,
+// F place): how far from the exact one, from bounds of the coordinates' magnitudes, each of which is off by a part `place` of its own at most (kernels/refine.cl). Empty
+// for programs with parameters, whose ends are floats there, and with operators whose error has no such bound.
 std::string emit_fine(const Program& program);
 
 // static inline F irt_value(F x, F y, F z PARAMETERS); and irt_region, the same for the clip formula, in programs with one.

@@ -72,8 +72,11 @@ Answer sharpened(const program::Program& program, const View& view, const Bounds
   return answer;
 }
 
-// Whether brackets of floats can be narrowed down where they are found (kernels/refine.cl).
-bool refinable(const program::Program& program, const Bounds& bounds, const Options& options) {
+// Whether brackets of floats can be narrowed down where they are found (kernels/refine.cl), most of them: not where the camera is so far away that its rounding is to be told
+// apart from errors of values, as a second pass does. `far`: how far.
+bool refinable(const program::Program& program, const Bounds& bounds, const Options& options, double far) {
+  constexpr double kRounding = 5e-12;  // of the distance: eps are no smaller
+  if (kRounding * far > options.eps) return false;
   const glm::dvec3 most = glm::max(brackets_reach(bounds), glm::dvec3(1));  // the changes of coordinates along a ray as well
   const auto derivative = program::along(program);
   return derivative && !needs_infinities(program, most, options, Precision::Single) && !needs_infinities(*derivative, most, options, Precision::Single) &&
@@ -128,7 +131,7 @@ Answer camera_passes(const program::Program& program, const Formulas& formulas, 
   const bool sharpens = options.first_eps > 0 && !pixels;
   const Precision first = options.precision == PrecisionMode::Double || options.first_eps > 0 ? Precision::Double : Precision::Single;
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64 && (sharpens || first == Precision::Single);
-  const bool refines = sharpens && refinable(program, bounds, options);
+  const bool refines = sharpens && refinable(program, bounds, options, glm::distance(view.origin, 0.5 * (bounds.lower + bounds.upper)));
   Answer answer = sharpens && !refines ? sharpened(program, view, bounds, options, device)
                                        : pass(program, view, bounds, options, device, refines ? Precision::Single : first, pixels, pitch);
   if (!second || answer.outcome != device::Outcome::done) return answer;
@@ -183,7 +186,7 @@ std::string frame_source(const program::Program& program, const Bounds& bounds, 
   const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::Camera);
   spec.beams = beams_in(options, 640 * 480);
-  spec.wide_results = spec.refines = options.first_eps > 0 && refinable(program, bounds, options);
+  spec.wide_results = spec.refines = options.first_eps > 0 && refinable(program, bounds, options, 0);
   return kernel::assemble(program, spec);
 }
 

@@ -6,13 +6,12 @@
 namespace {
 CONTRACT(slopes_by_forms) { return asks_for_all(rng); }
 
-// 256 roundings of the size are what the coordinate is off; and it is no less than that.
-CONTRACT(fine_size) {
+CONTRACT(place_error) {
   const Bracket b(rng);
   const FW x = fma(b.root.at, b.ray.wdx, b.ray.wpx);
-  const F size = fine_size(NARROW(x), b.ray.px, b.ray.dx, b.told.q);
-  return at_most(magnitude(of(x)), of(size) * (1 + exact(0x1p-22))) &&
-         at_most(magnitude(of(x) - b.told.coordinate_at(0, of(b.root.at))), 256 * exact(0x1p-53) * of(size) * (1 + exact(0x1p-20)));
+  // The place is a rounded one, too.
+  const exact place = of(b.root.at) + exact(b.told.radius) * exact(0x1p-53) * rng.part();
+  return at_most(magnitude(of(x) - b.told.coordinate_at(0, place)), of(place_error(&b.ray, b.told.q)));
 }
 
 CONTRACT(refine) {

@@ -17,7 +17,7 @@ FW irt_fine(FW x, FW, FW) {
   const exact slope = exact(line.lo) + (exact(line.hi) - exact(line.lo)) * line.share;
   return static_cast<double>((of(x) - line.root) * slope + exact(line.error) * (1 - exact(0x1p-40)) * line.part);
 }
-F irt_fine_error(F, F, F) { return line.error; }
+F irt_fine_error(F, F, F, F) { return line.error; }
 IA slopes_of(COORDINATE x, COORDINATE y, COORDINATE z, COORDINATE dx, COORDINATE dy, COORDINATE dz, I* undefined, I* rough) {
   irt_along(x, y, z, dx, dy, dz, undefined, rough);
   return ia(line.lo, line.hi);

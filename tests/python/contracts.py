@@ -35,7 +35,7 @@ FACTORS = {
         "R(2.0) * CUT_ERROR), cell->size, cell->error), *error",
     ),
     "path.cl": ("INWARD R(1.75)", "ALONG_ERROR R(1.05)", "ALONG_ERROR R(1.55)", "R(2.0) * fma((F)(REPORT_ERROR"),
-    "refine.cl": ("R(0x1p-8)", "R(0x1p53)", "PLACE_ERROR ((F)R(0x1p-45)", "ra(way, (F)0, fma((F)ULP, fabs(way), (F)(R(1.01)", "fabs(way), (F)(R(1.01) * POSITION_PAD / RADIUS));\n  return ia"),
+    "refine.cl": ("R(0x1p-52)", "R(2.0) * RADIUS", "ra(way, (F)0, fma((F)ULP, fabs(way), (F)(R(1.01)", "fabs(way), (F)(R(1.01) * POSITION_PAD / RADIUS));\n  return ia"),
     "results.cl": ("R(4.0) * R(0x1p-52)",),
     "scene.cl": ("DEPTH_ERROR R(0.75)", "DEPTH_ERROR R(4.0)"),
     "sharpen.cl": ("GROWN R(0x1p-20)",),
@@ -57,7 +57,7 @@ STEERING = {
     "frustum_knots.cl": {"R(0.125)": 2, "R(0.25)": 1},
     "frustum_rays.cl": {"R(2.0)": 1},  # from -reach to reach
     "path.cl": {"R(0.125)": 1},
-    "refine.cl": {"R(0.45)": 1},
+    "refine.cl": {"R(0.0625)": 1, "R(0.45)": 1},
     "mitchell.cl": {"R(0.125)": 1, "R(4.0)": 1, "R(0.75)": 1, "R(0.25)": 1},
 }
 
@@ -205,7 +205,6 @@ CONTRACTS = {
     ("path.cl", "report"): ("report", "results"),
     ("ray_camera.cl", "AXIS"): ("ray_camera", "position", "enclose_bare"),
     ("ray_list.cl", "AXIS_ERROR"): ("ray_list", "interval"),
-    ("refine.cl", "PLACE_ERROR"): ("slopes_by_forms", "slopes_by_intervals"),
     ("refine.cl", "place_about"): ("slopes_by_forms", "slopes_by_intervals"),
     ("refine.cl", "way_about"): ("slopes_by_forms", "slopes_by_intervals"),
     ("results.cl", "DEPTH_ROUNDING"): ("results_fine",),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import re
 import subprocess
 from pathlib import Path
@@ -45,9 +46,9 @@ static double exponential(double v) { return off(std::exp(v), 2); }
 using std::fabs;
 """
 CALL = """
-extern "C" void values(int n, const double* at, const float* sizes, int up, double* value, float* error) {
+extern "C" void values(int n, const double* at, const float* sizes, float place, int up, double* value, float* error) {
   direction = up;
-  for (int i = 0; i < n; ++i, at += 3, sizes += 3) value[i] = irt_fine(at[0], at[1], at[2]), error[i] = irt_fine_error(sizes[0], sizes[1], sizes[2]);
+  for (int i = 0; i < n; ++i, at += 3, sizes += 3) value[i] = irt_fine(at[0], at[1], at[2]), error[i] = irt_fine_error(sizes[0], sizes[1], sizes[2], place);
 }
 """
 
@@ -86,13 +87,14 @@ def test_values_in_double_are_no_more_than_this_off(monkeypatch: pytest.MonkeyPa
         subprocess.run([str(compiler()), "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-w", "-o", str(library), str(tmp_path / "f.cpp")], check=True)
         points = rng.uniform(-3, 3, (2000, 3)) * 10.0 ** -rng.integers(0, 4, (2000, 1))
         truth = np.asarray(_core.values(f._node, points))
-        # Coordinates are off by 256 roundings of their sizes.
-        at = points + rng.choice([-1, 1], points.shape) * np.abs(points) * 256 * 2.0**-53 * rng.choice([0, 1], (2000, 1))
+        # Coordinates are off by a part of their sizes, or hardly.
+        place = 2.0 ** -int(rng.integers(30, 50))
+        at = points + rng.choice([-1, 1], points.shape) * np.abs(points) * place * rng.choice([0, 1], (2000, 1))
         sizes = np.nextafter(np.abs(points).astype(np.float32), np.float32(np.inf))
         value, error = np.empty(2000), np.empty(2000, np.float32)
         for up in (-1, 1):
             ctypes.CDLL(str(library)).values(
-                2000, at.ctypes.data_as(ctypes.c_void_p), sizes.ctypes.data_as(ctypes.c_void_p), up, value.ctypes.data_as(ctypes.c_void_p),
+                2000, at.ctypes.data_as(ctypes.c_void_p), sizes.ctypes.data_as(ctypes.c_void_p), ctypes.c_float(place * (1 + 1e-6)), up, value.ctypes.data_as(ctypes.c_void_p),
                 error.ctypes.data_as(ctypes.c_void_p),
             )  # fmt: skip
             assert (np.maximum(value - truth[:, 0], truth[:, 1] - value) <= error).all(), text
@@ -120,6 +122,17 @@ def test_most_brackets_are_narrowed_down_at_once(method: str, text: str, share: 
     assert (np.abs(frame.depth[both] - truth.depth[both]) <= frame.uncertainty[both] + 1e-13).all()
     assert (2 * frame.uncertainty[hit] <= 1e-7).all()
     assert frame.stats.escalated <= (1 - share) * hit.sum()
+
+
+@pytest.mark.parametrize(("distance", "eps"), [(1e4, 1e-6), (1e6, 1e-6), (1e6, 2e-7)])
+def test_far_cameras_leave_few_brackets_wide(distance: float, eps: float) -> None:
+    """The farthest have a second pass, which tells their rounding apart from errors of values."""
+    f = "4*(2.618*x^2 - y^2)*(2.618*y^2 - z^2)*(2.618*z^2 - x^2) - 4.236*(x^2 + y^2 + z^2 - 1)^2"
+    camera = irt.Camera(origin=(0.48 * distance, 0.36 * distance, 0.8 * distance), fov=math.degrees(4 / distance))
+    frame, truth = irt.render(f, bounds=2, camera=camera, size=(40, 40), method="contract", eps=eps, outputs=()), irt.reference(f, 2, camera, (40, 40))
+    hit = truth.hit & (frame.status == irt.Status.HIT)
+    assert (np.abs(frame.depth[hit] - truth.depth[hit]) <= frame.uncertainty[hit] + truth.uncertainty[hit] + 1e-15 * distance).all()
+    assert hit.sum() > 500 and frame.stats.escalated < 0.05 * hit.sum()
 
 
 def test_one_kernel_is_built() -> None:
