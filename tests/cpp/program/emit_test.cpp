@@ -137,6 +137,24 @@ TEST(Emit, AffineResultsHaveAFormWhereThereIsOneAndARangeWhereThatKnowsMore) {
   EXPECT_EQ(result("floor(x)"), Result::range);
 }
 
+TEST(Emit, AffineSumsTakeInNumbersAndLeaveNoneUnread) {
+  const auto text = [](const char* formula) { return emit_affine(lower(parse(formula)), Precision::Single, false).source; };
+  const auto has = [](const std::string& s, const char* part) { return s.find(part) != std::string::npos; };
+  EXPECT_TRUE(has(text("x*y + 3*z"), "ra_scale_add(") && !has(text("x*y + 3*z"), "ra_scale("));
+  EXPECT_TRUE(has(text("x*y - 3*z"), "(-R(3.0)), R(0.0)"));
+  EXPECT_TRUE(has(text("3*z"), "ra_scale("));
+  const std::string both = text("x*y + 3*z + sin(3*z)");  // which reads it by itself as well
+  EXPECT_TRUE(has(both, "ra_scale_add(") && has(both, "ra_scale("));
+}
+
+TEST(Emit, ValuesInDoubleHaveABoundWhereAllOperatorsHaveOne) {
+  const auto text = [](const char* formula) { return emit_fine(lower(parse(formula))); };
+  EXPECT_NE(text("x^2*sin(y) + Max(x, Abs(z)) - exp(-x^2)").find("FINE_SIN("), std::string::npos);
+  for (const char* formula : {"x/y + z", "log(x) + y", "a*x + y - z", "exp(x) - y", "x^5 + y", "floor(x) + y"}) EXPECT_EQ(text(formula), "") << formula;
+  // Two coordinates in a product, four in the longest term.
+  EXPECT_NE(text("x*y + z^4").find("fma((F)R(4.12), place"), std::string::npos) << text("x*y + z^4");
+}
+
 TEST(Emit, SlopesFollowTheDirectionAndLeaveOutWhatDoesNotMove) {
   const Program p = lower(parse("a^3*x + sin(y)"));
   const std::string slope = emit_slope(p, Precision::Single).source;
