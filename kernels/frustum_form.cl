@@ -91,15 +91,10 @@ static inline EXTENT extent_of(const F* c) {
   return e;
 }
 
-static inline I one_sign(const F* c, F error) {
-  const EXTENT e = extent_of(c);
-  return GT(e.low, error) | LT(e.high, -error);
-}
-
-static inline F largest_of(const F* c) {
-  const EXTENT e = extent_of(c);
-  return max(e.high, -e.low);
-}
+static inline I has_one_sign(EXTENT e, F error) { return GT(e.low, error) | LT(e.high, -error); }
+static inline F largest_in(EXTENT e) { return max(e.high, -e.low); }
+static inline I one_sign(const F* c, F error) { return has_one_sign(extent_of(c), error); }
+static inline F largest_of(const F* c) { return largest_in(extent_of(c)); }
 
 // c over [lo, hi] of its range.
 static inline void restrict_to(F* c, F lo, F hi) {

@@ -82,14 +82,16 @@ static void search_cell(const CELL* cell, I lanes, const int max_pieces, FOUND* 
     COUNT(moves)
     const F share = cut_near(cell, n, a, b, n % 4 == 3 ? (F)HALF_AND_A_LITTLE : valley_of(c, sign)), x = fma(share, b - a, a), next_error = fma((F)CUT_ERROR, size, error);
     cut_at(c, share, front, rest);
-    const I behind = moves & one_sign(front, next_error), ahead = moves & ~behind;
+    const EXTENT before = extent_of(front), after = extent_of(rest);
+    const I behind = moves & has_one_sign(before, next_error), ahead = moves & ~behind, whole = has_one_sign(after, next_error);
+    // Of what the march goes on with, or more: extents of the new coefficients are these two, or the cell's.
+    size = SELECT(behind, SELECT(whole, cell->size, largest_in(after)), SELECT(ahead, largest_in(before), size));
     const I done = go_on(cell, x, front, rest, next_error, behind, ahead, c, &a, &b, &error);
     moves &= ~done;
     lanes &= ~done;
     const I alone = moves & one_root(c, error, sign);
     isolated |= alone;
     moves &= ~alone;
-    size = largest_of(c);
     stuck |= moves & at_floor(b - a, size, error);
     moves &= ~stuck;
   }
