@@ -6,14 +6,9 @@
 // tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they and those of
 // frustum_fine.cl begin. slabs: s at its near end, its length, its error and that of frustum_fine.cl. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
 // `terms` polynomials and their slopes at the centres of a tile's pixels.
-#define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, that of the frame before, eps of what is refined later
+#define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, that of the frame before
 #define ACROSS (basis + 16)
 #define SLOPE (basis + 16 + terms * IRT_TILE)
-#if IRT_FINE
-#define FIRST_EPS VIEW(14)
-#else
-#define FIRST_EPS EPS
-#endif
 
 // The packets of a work-item lie side by side in a row: those in one tile share what its first cells become by contraction with the row. PLANE takes that from
 // `planes`, by whose bits in `known` it is there already, or makes it, elsewhere for later cells.

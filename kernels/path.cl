@@ -110,7 +110,7 @@ static inline PATH make_path(const RAY* ray, const RANGE* range, __global const 
 static inline F wanted_units(const RAY* ray, const PATH* path, __global const real* q) {
   const F length = NARROW(ray->length), far = (fabs(NARROW(ray->tau)) + (F)RADIUS) * length;
   const F off = R(2.0) * fma((F)(REPORT_ERROR * ULP), far, (F)POSITION_PAD);
-  return ((F)EPS - min(off, (F)(R(0.125) * EPS))) / (length * path->unit) * (R(1.0) - R(12.0) * ULP);
+  return ((F)FIRST_EPS - min(off, (F)(R(0.125) * FIRST_EPS))) / (length * path->unit) * (R(1.0) - R(12.0) * ULP);
 }
 
 // What is known of the units [lo, hi], as a result.

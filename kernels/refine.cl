@@ -32,9 +32,9 @@ static inline IA way_about(F way, __global const real* q) {
 }
 #endif
 
-// Narrows HITs down to FINE_EPS where that can be proven; the others stay as they are, wide.
+// Narrows HITs down to EPS where that can be proven; the others stay as they are, wide.
 static inline void refine(const RAY* ray, ROOT* root, __global const real* q) {
-  const F reach = (F)(R(0.45) * FINE_EPS) / NARROW(ray->length);  // half the width that is wanted, in s
+  const F reach = (F)(R(0.45) * EPS) / NARROW(ray->length);  // half the width that is wanted, in s
   const F grain = (F)(GRAIN * RADIUS), off_by = place_error(ray, q), part = off_by * (F)(R(1.0) / (GRAIN * RADIUS));
   I left = EQ(root->status, HIT);
   FW at = root->at;

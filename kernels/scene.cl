@@ -13,7 +13,7 @@
 #define LIGHT_POWER q[23]
 #define STEPS q[24]  // of root finders that sample
 #define BOXED q[25]  // whether the box may cut what the other bounds and the picture leave; 0: no
-#define FINE_EPS q[26]  // where EPS is that of the brackets which are narrowed down to this
+#define FIRST_EPS q[26]  // of brackets of floats that are narrowed down to EPS in double; EPS where none are
 #define SPHERE(i, k) q[27 + 4 * (i) + (k)]  // centre and radius
 #define HALF_SPACE(i, k) q[27 + 4 * (IRT_SPHERES + (i)) + (k)]  // normal and offset
 

@@ -130,7 +130,8 @@ class AffineEmitter {
     emit_form(v);
     if (!(loses_[static_cast<std::size_t>(v)] = inherits(v)) || has_range_[static_cast<std::size_t>(v)]) return;
     const std::string a = range(in.a), b = range(in.b);
-    text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), name(v), interval_rule(program_, v, a, b, precision_, powers_));
+    const std::string whole = form(v);
+    text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), whole, interval_rule(program_, v, a, b, precision_, powers_));
     has_range_[static_cast<std::size_t>(v)] = 1;
   }
 
@@ -167,7 +168,6 @@ class AffineEmitter {
           const auto b = outward(program_[in.a].value, precision_);
           return define(v, fmt::format("ra_mul(ra_from_range(ia((F){}, (F){})), {})", literal(b.lo), literal(b.hi), form(in.b)));
         }
-        if (inherits(v)) return define(v, scale(v));
         has_form_[static_cast<std::size_t>(v)] = kScaled;
         return emit_inherited(program_, v, text_);
       case Code::Power: return define(v, power(v));

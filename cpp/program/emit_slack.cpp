@@ -88,10 +88,10 @@ class SlackEmitter {
         return {fmt::format(kProduct, a.text, b.text), constant(in.a) && !point_ ? b.roundings + 2 : a.roundings + b.roundings + product, a.places + b.places};
       }
       case Code::Sqr: return {fmt::format(kProduct, a.text, a.text), 2 * a.roundings + (affine_ ? 4 : 1), 2 * a.places};
-      case Code::Power: {  // affine: a square and a product, or two squares
+      case Code::Power: {  // but of intervals: a square and a product, or two squares
         const double n = static_cast<double>(in.index);
-        if ((affine_ || point_) && in.index > 4) return {};
         if (!affine_ && !point_) return {fmt::format(kMore, fmt::format("power_{}({})", in.index, a.text)), n * a.roundings + n, n * a.places};
+        if (in.index > 4) return {};
         const std::string square = fmt::format(kProduct, a.text, a.text);
         return {fmt::format(kProduct, square, in.index == 3 ? a.text : square), n * a.roundings + (point_ ? n : 12), n * a.places};
       }

@@ -28,8 +28,7 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
   const Precision wide = spec.split ? Precision::Double : precision;
   // Rows are as long as those of what is narrowed down, whose packets are wider.
   const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, before ? static_cast<int>(before->pitch) : spec.width);
-  Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
-  if (spec.refines) settings.set(8, options.first_eps);
+  const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = before   ? std::move(*before)
                   : pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
                            : make_answer(view.columns, view.rows, spec.width, spec.wide_results ? Precision::Double : precision, options);

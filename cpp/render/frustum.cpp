@@ -198,7 +198,6 @@ Reals basis_of(const Screen& screen, int degree, const Options& options, Precisi
   basis.set(11, f.perspective ? 1 : 0);
   basis.set(12, f.distance);
   if (options.previous) basis.set(13, options.previous->distance);
-  basis.set(14, options.first_eps);
   std::vector<double> values(n), slopes(n);
   for (std::size_t pixel = 0; pixel < tile; ++pixel) {
     const double u = (static_cast<double>(pixel) + 0.5) / static_cast<double>(tile);

@@ -171,7 +171,7 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
   q.set_above(6, reach(bounds));
   q.set_above(7, position_pad);
   q.set(8, options.eps);
-  q.set(26, options.eps);
+  q.set(26, precision == program::Precision::Single && options.first_eps > 0 ? options.first_eps : options.eps);
   q.set_below(9, near);
   q.set_above(10, near);
   q.set(23, glm::length(options.light) > 0 ? 1 : 0);

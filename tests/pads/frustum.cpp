@@ -142,7 +142,7 @@ struct Part {
   Part(bool of_rays, Random& rng) {
     real q[32] = {};
     const double radius = rng.size(-6, 6);
-    q[6] = rounded(radius), q[8] = rounded(radius * 1e-4);
+    q[6] = rounded(radius), q[8] = q[26] = rounded(radius * 1e-4);
     RAY ray;
     ray.length = rounded(rng.size(0, 1));
     near = of_rays ? -q[6] : rounded(q[6] * (rng.chance(0.3) ? -1 : rng.between(-1, 0.9)));

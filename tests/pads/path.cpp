@@ -137,7 +137,7 @@ CONTRACT(wanted_units) {
   const double length = std::sqrt(told.terms[1][6]);
   if (rng.chance(0.3)) told.set_pad(told.radius * rng.size(-26, -15), rng);
   const double off = 2 * (double(REPORT_ERROR) * ULP * (std::fabs(told.terms[1][7]) + told.radius) * length + told.q[7]);
-  told.q[8] = rounded(off * rng.size(3.01, 20));
+  told.q[8] = told.q[26] = rounded(off * rng.size(3.01, 20));
   const RAY ray = told.ray();
   RANGE range = some_range(told.radius, rng);
   if (rng.chance(0.6)) range.out0 = rounded(told.radius * (1 - rng.size(-12, -1))), range.out1 = rounded(told.radius);  // t is as large as it gets

@@ -31,21 +31,21 @@ CONTRACT(refine) {
   line.lo = rounded(least), line.hi = rounded(steep);
   if (rng.chance(0.5)) std::swap(line.lo, line.hi), line.lo = -line.lo, line.hi = -line.hi;
   line.share = rng.chance(0.7) ? rng.below(2) : rng.unit();
-  told.q[26] = rounded(known * rng.size(-24, 24));
+  told.q[8] = rounded(known * rng.size(-24, 24));
   // As much as f rises within eps, or little.
-  line.error = rounded(least * told.q[26] * (rng.chance(0.5) ? 0.45 * rng.between(0.9, 1) : rng.size(-30, -2)));
+  line.error = rounded(least * told.q[8] * (rng.chance(0.5) ? 0.45 * rng.between(0.9, 1) : rng.size(-30, -2)));
   line.part = rng.part();
   if (rng.chance(0.5)) {  // an eps that is only just reached
     const exact slope = (exact(line.lo) + line.hi) / 2, blur = (exact(line.hi) - line.lo) / 2, value = of(irt_fine(root.at, 0, 0));
     const exact doubt = magnitude(value / slope) * blur + 3 * exact(ULP) * magnitude(value) + line.error;
-    told.q[26] = rounded(double(doubt / (magnitude(slope) - blur) / 0.45 * (1 + rng.between(0, 8) * ULP)));
+    told.q[8] = rounded(double(doubt / (magnitude(slope) - blur) / 0.45 * (1 + rng.between(0, 8) * ULP)));
   }
   const ROOT before = root;
   refine(&ray, &root, told.q);
   // No piece that slopes are asked of has lost it.
   if (!at_most(magnitude(line.root - of(asked[0].x)), magnitude(of(asked[0].y)) + exact(ULP) / 2 * magnitude(of(asked[0].x)))) return false;
   if (root.half_width == before.half_width) return root.at == before.at;
-  const F reach = (F)(R(0.45) * told.q[26]) / NARROW(ray.length);
+  const F reach = (F)(R(0.45) * told.q[8]) / NARROW(ray.length);
   return at_most(of(reach) * (1 + exact(0x1p-23)), of(root.half_width)) &&  // room for the rounding of a product (results.cl)
          at_most(magnitude(of(root.at) - line.root), of(reach) + exact(0x1p-50) * told.radius);
 }

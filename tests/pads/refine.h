@@ -51,7 +51,7 @@ struct Bracket {
 bool asks_for_all(Random& rng) {
   Bracket b(rng);
   const exact at = of(b.root.at), known = of(b.root.half_width), way = b.told.term(3) + b.told.host / exact(b.told.radius);
-  b.told.q[26] = 0;
+  b.told.q[8] = 0;
   refine(&b.ray, &b.root, b.told.q);
   for (int end = -1; end <= 1; ++end) {
     const exact there = b.told.coordinate_at(0, at + end * known);

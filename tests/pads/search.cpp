@@ -125,7 +125,7 @@ namespace heads {
 CONTRACT(head) {
   Told told(rng);
   told.terms[1][6] = 1;
-  told.q[8] = rounded(told.radius * 1e-3);
+  told.q[8] = told.q[26] = rounded(told.radius * 1e-3);
   const RAY ray = told.ray();
   const RANGE range = some_range(told.radius, rng);
   if (!(range.out0 < range.out1)) return true;

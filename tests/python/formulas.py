@@ -5,7 +5,10 @@ from __future__ import annotations
 import random
 from typing import Any
 
+import numpy as np
+
 import implicitrt as irt
+from implicitrt import Status
 
 # name: text with {a} and {b} for arguments of about unit size, within its domain most of the time.
 OPERATORS = {
@@ -51,10 +54,6 @@ def check(
     Returns counts for each method and eps: of rays, simple (the reference's HITs), hits (HIT among them), unresolved, undecided
     (by the reference).
     """
-    import numpy as np
-
-    from implicitrt import Status
-
     rng = np.random.default_rng(seed)
     origins = rng.normal(size=(size, 3))
     origins *= 4 / np.linalg.norm(origins, axis=1)[:, None]
@@ -89,3 +88,16 @@ def check(
                 "unresolved": int((hits.status == Status.UNRESOLVED).sum()), "undecided": int((truth.kind == Status.UNRESOLVED).sum()),
             }  # fmt: skip
     return counts
+
+
+# Whose terms cancel.
+CANCEL = "(x + y)**2*(x - y)*(x + 1000) - (x**3 + 1000*x**2 + x**2*y + 1000*x*y - x*y**2 - 1000*y**2 - y**3 - 1000*y**2)*(x + y) + z/100000"
+
+
+def composed(rng: np.random.Generator, rules: tuple[str, ...]) -> str:
+    """A formula made by a few of the rules, texts with {a} and {b}."""
+    parts = ["x", "y", "z", "(x + 2*y - z/7)", "(z - 1/3)"]
+    for _ in range(int(rng.integers(3, 8))):
+        a, b = (parts[int(k)] for k in rng.integers(0, len(parts), 2))
+        parts.append(rules[int(rng.integers(len(rules)))].format(a=a, b=b))
+    return f"{parts[-1]} + {parts[-2]}"

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from contracts import compiler
+from formulas import CANCEL, composed
 
 import implicitrt as irt
 from implicitrt import _core
@@ -20,7 +21,6 @@ RULES = (
     "({a} + {b})", "({a} - {b})", "({a}*{b})", "({a})**2", "({a})**3", "({a})**4", "({a}/3 - 7*{b}/11)", "({a} + pi)", "sin({a})", "cos({a}*2)",
     "exp(-({a})**2)", "Abs({a})", "Min({a}, {b})", "Max({a}, {b}/3)",
 )  # fmt: skip
-CANCEL = "(x + y)**2*(x - y)*(x + 1000) - (x**3 + 1000*x**2 + x**2*y + 1000*x*y - x*y**2 - 1000*y**2 - y**3 - 1000*y**2)*(x + y) + z/100000"
 # A kernel's functions on the host. Builtins err by four ulp, upwards or downwards.
 HOST = """
 #include <cmath>
@@ -68,13 +68,7 @@ def _functions(source: str) -> str:
 @pytest.mark.skipif(compiler() is None, reason="functions of kernels are compiled in C++, and neither CXX nor c++, g++ or clang++ is there")
 def test_values_in_double_are_no_more_than_this_off(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     rng = np.random.default_rng(12)
-    texts, parts = [CANCEL, str(irt.surfaces["barth_sextic"].expr)], ["x", "y", "z", "(x + 2*y - z/7)", "(z - 1/3)"]
-    for _ in range(40):
-        mine = list(parts)
-        for _ in range(int(rng.integers(2, 6))):
-            a, b = (mine[int(k)] for k in rng.integers(0, len(mine), 2))
-            mine.append(RULES[int(rng.integers(len(RULES)))].format(a=a, b=b))
-        texts.append(f"{mine[-1]} + {mine[-2]}")
+    texts = [CANCEL, str(irt.surfaces["barth_sextic"].expr)] + [composed(rng, RULES) for _ in range(40)]
     tried = 0
     for text in texts:
         f = irt.parse(text)

@@ -1,4 +1,4 @@
-"""Frames in two passes: where eps is below what single precision resolves, it proves brackets and double narrows them down."""
+"""Where eps is below what single precision resolves, it proves brackets and double narrows them down: by a second pass, or at once (test_refine.py)."""
 
 from __future__ import annotations
 
@@ -12,16 +12,18 @@ SIZE = (83, 61)  # packets have lanes past the last column
 SCENES = {
     "sphere": ("x^2 + y^2 + z^2 - 1.0625", 2),
     "waves": ("sin(1.25*x) + cos(y)*z - x^2", 2),
+    "quotients": ("sin(1.25*x) + cos(y)*z/(x + 4)*4 - x^2", 2),  # whose values in double have no bound: these take a second pass
     "corners": ("Max(Abs(x) - 1.0625, Abs(y) - z/2, z - 1.3)", 2),
     "poles": ("1/(x - 0.3) + 2*y - z", 2),
     "jumps": ("floor(x) + y - z/3 + 0.15", 2),
+    "open": ("Max(Abs(x) - 1.0625, Abs(y) - z/2, z - 1.3)", [2, irt.Clip("x + y/3 - 1")]),
     "double": ("(x + y/3 - 0.2)^2*(z - 0.1)", 2),
     "region": ("x^2 + y^2 + z^2 - 2.0625", [2, irt.Clip("x + y/3 - 1")]),
     "ball": ("x*y - z", [irt.Sphere((0.1, 0, 0), 1.5), irt.HalfSpace((1, 0, 0.3), 0.7)]),
 }
 
 
-@pytest.mark.parametrize(("name", "method"), [(n, "contract") for n in ("waves", "corners", "poles", "jumps")] + [(n, "raa") for n in SCENES] + [(n, m) for n in ("waves", "corners") for m in ("ia", "mitchell")] + [("corners", "auto")])
+@pytest.mark.parametrize(("name", "method"), [(n, "contract") for n in ("waves", "quotients", "corners", "poles", "jumps")] + [(n, "raa") for n in SCENES] + [(n, m) for n in ("waves", "quotients", "corners") for m in ("ia", "mitchell")] + [("corners", "auto"), ("open", "auto")])
 def test_brackets_hold_the_first_root_and_are_as_narrow_as_eps(name: str, method: str) -> None:
     f, bounds = SCENES[name]
     frame = irt.render(f, bounds=bounds, size=SIZE, method=method, eps=EPS, outputs=())  # type: ignore[arg-type]
@@ -49,30 +51,33 @@ def test_a_root_just_outside_the_bounds_is_none(method: str, eps: float, gaps: i
         assert (frame.status != irt.Status.MISS).all()
 
 
-def test_pictures_are_those_of_double() -> None:
-    frames = [irt.render(SCENES["waves"][0], size=SIZE, method="contract", eps=EPS, precision=p, light=(0.3, 0.9, 0.4)) for p in ("auto", "double")]
+@pytest.mark.parametrize("name", ["waves", "quotients"])
+def test_pictures_are_those_of_double(name: str) -> None:
+    frames = [irt.render(SCENES[name][0], size=SIZE, method="contract", eps=EPS, precision=p, light=(0.3, 0.9, 0.4)) for p in ("auto", "double")]
     where = frames[0].status == frames[1].status
     assert where.mean() > 0.99
     assert np.abs(frames[0].rgb.astype(int) - frames[1].rgb)[where].max() <= 1
     assert np.nanmax(np.abs(frames[0].normal - frames[1].normal)[where]) < 1e-6
 
 
-def test_pieces_are_those_of_both_passes() -> None:
-    frames = [irt.render(SCENES["waves"][0], size=SIZE, method="contract", eps=e, precision=p, outputs=("pieces",)) for e, p in ((EPS, "auto"), (1e-3, "single"))]
+@pytest.mark.parametrize("name", ["waves", "quotients"])
+def test_pieces_are_those_of_both_passes(name: str) -> None:
+    frames = [irt.render(SCENES[name][0], size=SIZE, method="contract", eps=e, precision=p, outputs=("pieces",)) for e, p in ((EPS, "auto"), (1e-3, "single"))]
     assert (frames[0].pieces[frames[0].hit] > frames[1].pieces[frames[0].hit].min()).all()
     assert (frames[0].pieces[~frames[0].hit] > 0).any()
 
 
 def test_both_kernels_are_built_once() -> None:
-    f = "x^2 + 1.28125*y^2 + cos(z) - 1.03125"
+    f = "x^2 + 1.28125*y^2/(z + 4)*4 + cos(z) - 1.03125"
     frames = [irt.render(f, size=SIZE, method="contract", eps=EPS) for _ in range(2)]
     assert frames[1].stats.builds == 0
     assert (frames[0].depth == frames[1].depth).all()
 
 
-def test_progress_runs_once() -> None:
+@pytest.mark.parametrize("name", ["waves", "quotients"])
+def test_progress_runs_once(name: str) -> None:
     seen: list[float] = []
-    irt.render(SCENES["waves"][0], size=(256, 256), method="contract", eps=EPS, progress=seen.append)
+    irt.render(SCENES[name][0], size=(256, 256), method="contract", eps=EPS, progress=seen.append)
     assert seen == sorted(seen) and seen[-1] == pytest.approx(1)
 
 

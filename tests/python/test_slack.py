@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from changed_kernels import with_change
 from conftest import working_devices
+from formulas import CANCEL, composed
 
 import implicitrt as irt
 from implicitrt import _core
@@ -16,15 +17,6 @@ from implicitrt import _core
 PIECES, INNER = 256, 8
 RULES = ("({a} + {b})", "({a} - {b})", "({a}*{b})", "({a}*{b})", "({a})**2", "({a})**3", "({a}/3 - 7*{b}/11)", "({a} + pi)", "({a}*p + q)")
 RANGE_RULES = ("Abs({a})", "Min({a}, {b})", "Max({a}, {b}/3)", "({a})**7")  # of intervals only
-CANCEL = "(x + y)**2*(x - y)*(x + 1000) - (x**3 + 1000*x**2 + x**2*y + 1000*x*y - x*y**2 - 1000*y**2 - y**3 - 1000*y**2)*(x + y) + z/100000"
-
-
-def _formula(rng: np.random.Generator, rules: tuple[str, ...]) -> str:
-    parts = ["x", "y", "z", "(x + 2*y - z/7)", "(z - 1/3)"]
-    for _ in range(int(rng.integers(3, 8))):
-        a, b = (parts[int(k)] for k in rng.integers(0, len(parts), 2))
-        parts.append(rules[int(rng.integers(len(rules)))].format(a=a, b=b))
-    return f"{parts[-1]} + {parts[-2]}"
 
 
 def _exactly(v: float) -> str:
@@ -44,7 +36,7 @@ def test_rounding_stays_within_its_bound(monkeypatch: pytest.MonkeyPatch, device
     rng = np.random.default_rng([len(algebra), len(precision), *device.encode()])
     rules = RULES + RANGE_RULES if algebra == "ia" else RULES
     p, q = 0.1, -2.7
-    texts = [CANCEL] + [_formula(rng, rules) for _ in range(20)]
+    texts = [CANCEL] + [composed(rng, rules) for _ in range(20)]
     tried = 0
     for text in texts:
         f = irt.parse(text)
