@@ -3,8 +3,8 @@
 // A tile's cells come front to back; what lies between them is proven free of zeros (cpp/numerics/frustum_form.h). The method's own
 // file finds the first root within a cell. Coefficients of a cell are scaled to lie within [-2, 2], with one bound of their error.
 //
-// tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they and those of
-// frustum_fine.cl begin. slabs: s at its near end, its length, its error and that of frustum_fine.cl. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
+// tiles: where each tile's cells begin. shapes: for each cell how many lines down and coefficients across it has, and where they begin; then the same of
+// frustum_fine.cl. slabs: s at its near end, its length, its error and that of frustum_fine.cl. form: [down][depth][across], and some vectors more behind the last. basis: the view (VIEW), then
 // `terms` polynomials and their slopes at the centres of a tile's pixels.
 #define VIEW(k) basis[k]  // right, up, forward, a tile across and down, perspective, distance, that of the frame before
 #define ACROSS (basis + 16)
@@ -40,7 +40,7 @@ typedef struct {
 #endif
 
 #define CONTRACTED(plane) contract_row(here, row, ACROSS, down, N * across, plane)
-#define FINE_CONTRACTED(plane) contract_fine_row(fine_form + (size_t)shapes[4 * k + 3] * CELL_STEP, row, FINE_ACROSS, FINE_TERMS, FINE_TERMS * FINE_TERMS, plane)
+#define FINE_CONTRACTED(plane) contract_fine_row(fine_form + (size_t)shapes[6 * k + 5] * CELL_STEP, row, FINE_ACROSS, shapes[6 * k + 3], FINE_TERMS * shapes[6 * k + 4], plane)
 
 static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const real* q, const int max_pieces FINDER SHARED_DECL) {
   ROOT root;
@@ -84,8 +84,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     cell.hi = clamp((range->out1 - near) * inverse + slack, (F)0, (F)1);
     const I lanes = active & LT(cell.lo, cell.hi);
     if (!ANY(lanes)) continue;
-    const int down = shapes[4 * k], across = shapes[4 * k + 1];
-    __global const real* here = form + (size_t)shapes[4 * k + 2] * CELL_STEP;
+    const int down = shapes[6 * k], across = shapes[6 * k + 1];
+    __global const real* here = form + (size_t)shapes[6 * k + 2] * CELL_STEP;
     real own[N * IRT_MOST_TERMS + W];
     real* plane;
     PLANE(plane, planes, known, own, CONTRACTED)
@@ -117,7 +117,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     if (ANY(found.hits)) {
       wide fine_own[FINE_TERMS * FINE_TERMS + W], *fine_plane;
       PLANE(fine_plane, fine_planes, fine_known, fine_own, FINE_CONTRACTED)
-      refine(ray, &root, found.hits, q, near, length, slabs[4 * k + 3], column, fine_plane, fine_basis);
+      refine(ray, &root, found.hits, q, near, length, slabs[4 * k + 3], column, fine_plane, shapes[6 * k + 4], fine_basis);
     }
 #else
     at = SELECT(ended, middle, at);

@@ -1,8 +1,7 @@
 // Roots to more digits than floats have: the search in single precision has proven that a bracket holds one root. That one is found and proven once more, by
 // one value of the polynomial in double, which costs a small part of a search in double.
 //
-// fine_form: for each cell (frustum_cells.cl) the polynomial itself in doubles, [down][depth][across] in Bernstein's polynomials, whose values at the centres
-// of a tile's pixels fine_basis has.
+// fine_form: for each cell (frustum_cells.cl) the polynomial in doubles, [down][depth][across], with all terms along the depth; fine_basis: as `basis`.
 #define FINE_DEGREE (FINE_TERMS - 1)
 #define FINE_ACROSS (fine_basis + 16)
 #define FINE_VALUE_ERROR (FINE_TERMS * 3.0 * 0x1p-52)  // as VALUE_ERROR, of coefficients up to 2
@@ -43,7 +42,7 @@ static inline I changes_sign(RISE f, F off, F wanted, real bound) {
 // doubles. All this is said of the polynomial that the coefficients are: f itself differs from it by the bound of their error. Where it rises or falls all over the
 // bracket, and is beyond the bound on both sides of the new one, f is nonzero between them: the root that is known to be there lies in the new one.
 static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const real* q, real near, real length, real error, int column, const wide* plane,
-                          __global const wide* fine_basis) {
+                          int across, __global const wide* fine_basis) {
   const F reach = (F)(R(0.45) * EPS) / NARROW(ray->length);  // half the width that is wanted, in s
   const wide begin = near;
   const real inverse = R(1.0) / length, bound = R(1.07) * (error + FINE_VALUE_ERROR);
@@ -52,7 +51,7 @@ static inline void refine(const RAY* ray, ROOT* root, I lanes, __global const re
   const I here = lanes & GT(u, (F)-BEYOND + r) & LT(u, R(1.0) + BEYOND - r);
   if (!ANY(here)) return;
   FW c[FINE_TERMS];
-  contract_fine_columns(plane, column, FINE_ACROSS, FINE_TERMS, c);
+  contract_fine_columns(plane, column, FINE_ACROSS, across, c);
   F first[FINE_TERMS], second[FINE_TERMS];  // differences
   F size = (F)0, bend = (F)0;
   FINE_EACH for (int i = 0; i < FINE_DEGREE; ++i) {

@@ -34,9 +34,14 @@ class Range {
   Lanes low_ = Lanes{} + HUGE_VAL, high_ = Lanes{} - HUGE_VAL;
 };
 
+// Where nobody asks for it.
+struct NoRange {
+  [[gnu::always_inline]] void look(const Lanes&) {}
+};
+
 // All rounds on n runs of kVectors vectors each, `stride` doubles apart.
-template <std::size_t kVectors>
-[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t n, std::size_t stride, std::size_t vectors, Range& first, Range& second) {
+template <std::size_t kVectors, typename AnyRange>
+[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t n, std::size_t stride, std::size_t vectors, AnyRange& first, AnyRange& second) {
   const std::size_t count = kVectors ? kVectors : vectors;
   const Lanes half = Lanes{} + 0.5;
   for (std::size_t round = 1; round <= n; ++round) {
@@ -62,8 +67,8 @@ constexpr std::array<double, kMostRuns + 1> kHalves = [] {
 }();
 
 // All rounds on one run of vectors that stays in registers: sums instead of means, halved at the end, which rounds alike.
-template <std::size_t kCount>
-[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t stride, Range& first, Range& second) {
+template <std::size_t kCount, typename AnyRange>
+[[gnu::always_inline]] inline void rounds(double* a, double* b, std::size_t stride, AnyRange& first, AnyRange& second) {
   Lanes v[kCount];
 #pragma GCC unroll 16
   for (std::size_t i = 0; i < kCount; ++i) v[i] = *reinterpret_cast<const Lanes*>(a + i * stride);
@@ -78,32 +83,30 @@ template <std::size_t kCount>
   for (std::size_t i = 1; i < kCount; ++i) first.look(*reinterpret_cast<Lanes*>(a + i * stride) = v[i] * kHalves[i]);
 }
 
-template <std::size_t kCount>
-[[gnu::always_inline]] inline void all_rounds(double* first, double* second, const Runs& runs, Range& of_first, Range& of_second) {
+template <std::size_t kCount, typename AnyRange>
+[[gnu::always_inline]] inline void all_rounds(double* first, double* second, const Runs& runs, AnyRange& of_first, AnyRange& of_second) {
   for (std::size_t r = 0; r < runs.count; ++r)
     for (std::size_t m = 0; m < runs.width; m += kLanes) rounds<kCount>(first + r * runs.step + m, second + r * runs.step + m, runs.stride, of_first, of_second);
 }
 
-}  // namespace
-
-IRT_WIDEST Halves halve(double* first, double* second, const Runs& runs) {
-  Range of_first, of_second;
+template <typename AnyRange>
+[[gnu::always_inline]] inline void halve(double* first, double* second, const Runs& runs, AnyRange& of_first, AnyRange& of_second) {
   const std::size_t vectors = runs.width / kLanes;
   switch (runs.n) {
-    case 2: all_rounds<2>(first, second, runs, of_first, of_second); break;
-    case 3: all_rounds<3>(first, second, runs, of_first, of_second); break;
-    case 4: all_rounds<4>(first, second, runs, of_first, of_second); break;
-    case 5: all_rounds<5>(first, second, runs, of_first, of_second); break;
-    case 6: all_rounds<6>(first, second, runs, of_first, of_second); break;
-    case 7: all_rounds<7>(first, second, runs, of_first, of_second); break;
-    case 8: all_rounds<8>(first, second, runs, of_first, of_second); break;
-    case 9: all_rounds<9>(first, second, runs, of_first, of_second); break;
-    case 10: all_rounds<10>(first, second, runs, of_first, of_second); break;
-    case 11: all_rounds<11>(first, second, runs, of_first, of_second); break;
-    case 12: all_rounds<12>(first, second, runs, of_first, of_second); break;
-    case 13: all_rounds<13>(first, second, runs, of_first, of_second); break;
-    case 14: all_rounds<14>(first, second, runs, of_first, of_second); break;
-    case 15: all_rounds<15>(first, second, runs, of_first, of_second); break;
+    case 2: return all_rounds<2>(first, second, runs, of_first, of_second);
+    case 3: return all_rounds<3>(first, second, runs, of_first, of_second);
+    case 4: return all_rounds<4>(first, second, runs, of_first, of_second);
+    case 5: return all_rounds<5>(first, second, runs, of_first, of_second);
+    case 6: return all_rounds<6>(first, second, runs, of_first, of_second);
+    case 7: return all_rounds<7>(first, second, runs, of_first, of_second);
+    case 8: return all_rounds<8>(first, second, runs, of_first, of_second);
+    case 9: return all_rounds<9>(first, second, runs, of_first, of_second);
+    case 10: return all_rounds<10>(first, second, runs, of_first, of_second);
+    case 11: return all_rounds<11>(first, second, runs, of_first, of_second);
+    case 12: return all_rounds<12>(first, second, runs, of_first, of_second);
+    case 13: return all_rounds<13>(first, second, runs, of_first, of_second);
+    case 14: return all_rounds<14>(first, second, runs, of_first, of_second);
+    case 15: return all_rounds<15>(first, second, runs, of_first, of_second);
     default:
       for (std::size_t r = 0; r < runs.count; ++r) {
         double *a = first + r * runs.step, *b = second + r * runs.step;
@@ -114,7 +117,19 @@ IRT_WIDEST Halves halve(double* first, double* second, const Runs& runs) {
         }
       }
   }
+}
+
+}  // namespace
+
+IRT_WIDEST Halves halve(double* first, double* second, const Runs& runs) {
+  Range of_first, of_second;
+  halve(first, second, runs, of_first, of_second);
   return {of_first.extent(), of_second.extent()};
+}
+
+IRT_WIDEST void halve_unseen(double* first, double* second, const Runs& runs) {
+  NoRange none;
+  halve(first, second, runs, none, none);
 }
 
 IRT_WIDEST void halve(double* first_hi, double* first_lo, double* second_hi, double* second_lo, const Runs& runs) {
@@ -178,6 +193,25 @@ IRT_WIDEST double slowest_change(const double* values, const Runs& runs) {
   double least = slowest[0];
   for (std::size_t k = 1; k < kLanes; ++k) least = std::min(least, slowest[k]);
   return least;
+}
+
+IRT_WIDEST std::size_t winding(const double* values, const Runs& runs) {
+  const Lanes none = {}, one = none + 1;
+  Lanes winding = none;
+  for (std::size_t r = 0; r < runs.count; ++r)
+    for (std::size_t m = 0; m < runs.width; m += kLanes) {
+      const double* at = values + r * runs.step + m;
+      Lanes a = *reinterpret_cast<const Lanes*>(at), changes = none;
+      for (std::size_t i = 1; i < runs.n; ++i) {
+        const Lanes b = *reinterpret_cast<const Lanes*>(at += runs.stride);
+        changes += ((a < none) != (b < none)) ? one : none;
+        a = b;
+      }
+      winding += changes > one ? one : none;
+    }
+  double sum = 0;
+  for (std::size_t k = 0; k < kLanes; ++k) sum += winding[k];
+  return static_cast<std::size_t>(sum);
 }
 
 // Whole vectors: what a line writes beyond its end the next one overwrites.

@@ -18,6 +18,8 @@ struct Halves {
 };
 // de Casteljau's algorithm at the middle: `first` becomes the coefficients of the first half, `second` those of the second.
 Halves halve(double* first, double* second, const Runs& runs);
+// Without looking at what they become.
+void halve_unseen(double* first, double* second, const Runs& runs);
 // The same for sums hi + lo (kDoubleDoubleUnit).
 void halve(double* first_hi, double* first_lo, double* second_hi, double* second_lo, const Runs& runs);
 
@@ -27,6 +29,8 @@ Extent extent_of(const double* values, std::size_t n);  // n: a multiple of kLan
 Extent steps_of(const double* values, const Runs& runs);
 // The smallest size of one where signs change.
 double slowest_change(const double* values, const Runs& runs);
+// How many of the lines' values change their sign more than once.
+std::size_t winding(const double* values, const Runs& runs);
 
 constexpr std::size_t kLanes = 4;
 

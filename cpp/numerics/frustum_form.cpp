@@ -7,9 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <deque>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -23,17 +27,22 @@ namespace irt::numerics {
 namespace {
 
 // Cells may always be as inexact as this, in parts of their largest coefficient: those of floats, those by which roots are refined as well, those of doubles. What
-// is less exact leaves pixels beside nodes wide.
-constexpr double kExactEnough = 1e-7, kExactToRefine = 1e-8, kExactInDoubles = 1e-11;
+// is less exact leaves pixels beside nodes wide. The first may be as inexact as rounding is, the second as kMostToRefine, where no root suffers.
+constexpr double kExactEnough = 1e-7, kExactToRefine = 1e-11, kExactInDoubles = 1e-11, kMostToRefine = 1e-8;
+// How far rounding may put a root off, in parts of the width that is asked for; as nets tell it, which look at fewer places; and the error of a cell alone, where it is
+// more than the least.
+constexpr double kMostBlur = 0.25, kMostBlurOfNets = 0.0625, kLittleBlur = 0.05;
 // Cuts of a column of tiles after which double takes over at the latest.
 constexpr int kPreciseCuts = 6;
-// What reduction may lose in each direction, in halves of an ulp of the largest coefficient.
-constexpr double kLost = 4;
+// What reduction may lose in each direction: in halves of an ulp of the largest coefficient, and of cells in doubles in parts of it.
+constexpr double kLost = 4, kLostToRefine = 1e-11;
 // Least slope of a steady cell, in parts of its largest value.
 constexpr double kSteady = 0.1;
 // Halvings of the depth after which slabs are short enough, but for accuracy. For few pixels cells cost more than
 // roots do, up to a degree above which long slabs leave pixels to the reference.
 constexpr int kUsualDepthCuts = 3, kUsualDepthCutsOfFew = 0, kMostDegreeOfFew = 12;
+// One more where in a slab f changes its sign twice on more than this share of the tile: one cut here spares all packets one.
+constexpr double kWinding = 0.5;
 
 struct Block {
   int y0, y1;       // tiles of a column
@@ -141,13 +150,31 @@ struct Form {
   double *hi, *lo;
 };
 
+// Of any n >= kLanes.
+Extent extent_of_all(const double* values, std::size_t n) {
+  const Extent e = extent_of(values, n / kLanes * kLanes), last = extent_of(values + n - kLanes, kLanes);
+  return {std::min(e.lowest, last.lowest), std::max(e.highest, last.highest)};
+}
+
+// Made once each.
+const Reduction& reduction_of(int degree, int depth) {
+  static std::mutex mutex;
+  static auto* const all = new std::map<std::pair<int, int>, Reduction>;
+  const std::scoped_lock lock(mutex);
+  return all->try_emplace({degree, depth}, degree, depth).first->second;
+}
+
 // One column of tiles after another.
 class Cutter {
  public:
-  Cutter(const Frustum& frustum, const Demand& demand, int degree, const Reduction& reduction, Found& found)
-      : frustum_(frustum), demand_(demand), reduction_(reduction), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_((n_ + kLanes - 1) / kLanes * kLanes),
-        size_(n_ * n_ * m_), grow_(degree + 2),
-        slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {}
+  Cutter(const Frustum& frustum, const Demand& demand, int degree, Found& found)
+      : frustum_(frustum), demand_(demand), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_((n_ + kLanes - 1) / kLanes * kLanes),
+        size_(n_ * n_ * m_), grow_(degree + 1),
+        slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {
+    if (!demand.reduced) return;
+    reduction_ = &reduction_of(degree, demand.depth);
+    exact_reduction_ = &reduction_of(degree, degree);
+  }
 
   // hi + lo is the form over column x: [across][down][depth].
   void run(int x, const double* hi, const double* lo, double error) {
@@ -156,8 +183,15 @@ class Cutter {
     full_.assign(static_cast<std::size_t>(frustum_.span_y()), false);
     if (demand_.tiles)
       for (int y = frustum_.tile_y0; y < frustum_.tile_y1; ++y) full_[y - frustum_.tile_y0] = !(*demand_.tiles)[frustum_.tile_index(x, y)];
-    if (hidden({frustum_.tile_y0, frustum_.tile_y1, 0, 1})) return;
-    precise_ = 0;
+    const Block all{frustum_.tile_y0, frustum_.tile_y0 + frustum_.span_y(), 0, 1 << kMostDepthCuts};
+    if (hidden(all)) return;
+    allowed_ = HUGE_VAL;
+    const Extent extent = extent_of_all(hi, n_ * n_ * n_);
+    if (demand_.reduced) {
+      const double largest = size_of(extent);
+      if (in_strips(all, 0, hi, {1, n_ * n_}, error + 0x1p-53 * largest, largest)) return;
+      only(failed_, all);
+    }
     const Form form = at_level(0);
     for (std::size_t j = 0; j < n_; ++j)
       for (std::size_t k = 0; k < n_; ++k)
@@ -166,10 +200,12 @@ class Cutter {
           form.hi[to] = hi[from];
           form.lo[to] = lo[from];
         }
-    cut({frustum_.tile_y0, frustum_.tile_y0 + frustum_.span_y(), 0, 1 << kMostDepthCuts}, form, extent_of(form.hi, size_), error, 0);
+    cut(all, form, extent, error, 0);
   }
 
  private:
+  static double size_of(const Extent& e) { return std::max(std::fabs(e.lowest), std::fabs(e.highest)); }
+
   // A buffer for each level of the recursion: [down][depth][across], lines across padded by repetition.
   Form at_level(int level) {
     while (static_cast<int>(pool_.size()) <= level) pool_.emplace_back();
@@ -182,25 +218,24 @@ class Cutter {
   // `form` over `block`; front to back within each tile. False where double leaves a cell less exact than it may be.
   bool cut(const Block& block, Form form, const Extent& extent, double error, int level) {
     if (block.y0 >= frustum_.tile_y1) return true;
-    const double largest = std::max(std::fabs(extent.lowest), std::fabs(extent.highest)), known = error + (form.lo ? 0x1p-53 * largest : 0);
+    const double largest = size_of(extent), known = error + (form.lo ? 0x1p-53 * largest : 0);
     if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
-    if (form.lo && level >= precise_) {
-      // In double; and where that fails, once more a cut further on.
-      const std::size_t leaves = found_.leaves.size(), used = found_.coefficients.used, exact = found_.exact.used;
-      const std::vector<bool> full = full_;
-      const Form copy{at_level(level + 1).hi, nullptr};
-      std::copy_n(form.hi, size_, copy.hi);
-      strict_ = level < kPreciseCuts;
-      if (cut(block, copy, extent, known, level + 1)) return true;
-      found_.leaves.resize(leaves);
-      found_.coefficients.used = used;
-      found_.exact.used = exact;
-      full_ = full;
-      precise_ = level + 1;
-    }
-    Axis axis = longest(block, form, known, largest);
-    if (axis == Axis::none && demand_.reduced && !reduction_.run(form.hi, m_, largest, kLost * demand_.unit * largest, block.last - block.first == 1, reduced_))
-      axis = Axis::depth;
+    if (!form.lo || (largest > allowed_ && level < kPreciseCuts)) return cut_further(block, form, largest, error, level);
+    if (!demand_.reduced) return in_double(block, form, extent, known, largest, level) || cut_further(block, form, largest, error, level);
+    if (in_strips(block, level, form.hi, {m_, 1}, known, largest)) return true;
+    const std::vector<bool> full = full_;
+    const std::vector<int> failed = failed_;
+    only(failed, block);
+    cut_further(block, form, largest, error, level);
+    for (int y = block.y0; y < std::min(block.y1, frustum_.tile_y1); ++y)
+      if (std::find(failed.begin(), failed.end(), y) == failed.end()) full_[y - frustum_.tile_y0] = full[y - frustum_.tile_y0];
+    return true;
+  }
+
+  bool cut_further(const Block& block, const Form& form, double largest, double error, int level) {
+    const double known = error + (form.lo ? 0x1p-53 * largest : 0);
+    const Axis axis = longest(block, form, known, largest);
+    if (axis == Axis::none && demand_.reduced) return in_strips(block, kPreciseCuts, form.hi, {m_, 1}, known, largest);
     if (axis == Axis::none) return emit(block, form, known, largest);
     const Form buffer = at_level(level + 1), second{buffer.hi, form.lo ? buffer.lo : nullptr};
     Block a = block, b = block;
@@ -221,6 +256,98 @@ class Cutter {
     const double child = error + grow_ * (form.lo ? kDoubleDoubleUnit : 0x1p-53) * largest;
     // `form` serves the first part's own cuts; the second waits in its buffer, where deeper levels do not reach.
     return cut(a, form, halves.first, child, level + 1) && cut(b, second, halves.second, child, level + 1);
+  }
+
+  // `form` in double from here on; where that is not enough nothing is found.
+  bool in_double(const Block& block, const Form& form, const Extent& extent, double error, double largest, int level) {
+    const std::size_t leaves = found_.leaves.size(), used = found_.coefficients.used, exact = found_.exact.used;
+    const std::vector<bool> full = full_;
+    const Form copy{at_level(level + 1).hi, nullptr};
+    std::copy_n(form.hi, size_, copy.hi);
+    strict_ = level < kPreciseCuts;
+    if (cut(block, copy, extent, error, level + 1)) return true;
+    forget(leaves, used, exact);
+    full_ = full;
+    allow(largest);
+    return false;
+  }
+
+  // Double was not enough for a block with so large a coefficient.
+  void allow(double largest) { allowed_ = std::min(allowed_, largest * std::min(0.5, enough() / failed_error_)); }
+
+  void forget(std::size_t leaves, std::size_t used, std::size_t exact) {
+    found_.leaves.resize(leaves);
+    found_.coefficients.used = used;
+    found_.exact.used = exact;
+  }
+
+  // The same by polynomials across (frustum_reduce.h); `form` has no coefficient larger than `largest`. Tiles for which that is not enough are left to be tried once more.
+  bool in_strips(const Block& block, int level, const double* form, const Reduction::Steps& steps, double error, double largest) {
+    double* const values = strips_[0].of(n_ * reduction_->plane());
+    Reduction::Strip strip;
+    const double lost = reduction_->strip_of(form, steps, largest, strip, values, scratch_);
+    strict_ = level < kPreciseCuts;
+    failed_.clear();
+    strip_cut(block, strip, values, error + lost, 1);
+    if (failed_.empty()) return true;
+    allow(largest);
+    return false;
+  }
+
+  // Nothing of a block is asked for but these tiles.
+  void only(const std::vector<int>& tiles, const Block& block) {
+    for (int y = block.y0; y < std::min(block.y1, frustum_.tile_y1); ++y) full_[y - frustum_.tile_y0] = true;
+    for (const int y : tiles) full_[y - frustum_.tile_y0] = false;
+  }
+
+  void strip_cut(const Block& block, const Reduction::Strip& strip, double* values, double error, std::size_t level) {
+    if (block.y0 >= frustum_.tile_y1 || hidden(block)) return;
+    if (block.y1 - block.y0 == 1) {
+      const std::size_t leaves = found_.leaves.size(), used = found_.coefficients.used, exact = found_.exact.used;
+      double *const pencil = pencils_[0].of(n_ * (reduction_->width() + reduction_->net_width())), *const net = pencil + n_ * reduction_->width();
+      const double lost = reduction_->pencil_of(values, strip, kMostDepthCuts, pencil, net, longest_, scratch_);
+      if (slab(block, pencil, net, extent_of(net, n_ * reduction_->net_width()), error + lost, 1)) return;
+      forget(leaves, used, exact);
+      failed_.push_back(block.y0);
+      return;
+    }
+    if (strips_.size() <= level) strips_.emplace_back();
+    const std::size_t plane = reduction_->plane();
+    double* const second = strips_[level].of(n_ * plane);
+    halve_unseen(values, second, {n_, plane, plane, 1, 0});
+    Block a = block, b = block;
+    a.y1 = b.y0 = (block.y0 + block.y1) / 2;
+    const Reduction::Strip half{strip.widest, 0.5 * strip.steepest};
+    const double child = error + grow_ * 0x1p-53 * strip.widest;
+    strip_cut(a, half, values, child, level + 1);
+    strip_cut(b, half, second, child, level + 1);
+  }
+
+  // A slab of a pencil, and its net.
+  bool slab(const Block& block, double* pencil, double* net, const Extent& extent, double error, std::size_t level) {
+    if (hidden(block)) return true;
+    const std::size_t width = reduction_->width(), net_width = reduction_->net_width();
+    double beside = 0;
+    for (std::size_t k = 0; k < n_; ++k) beside = std::max(beside, reduction_->beside(pencil + k * width));
+    if (extent.lowest - beside > error || extent.highest + beside < -error || place(block) > 0) return true;
+    const double largest = size_of(extent) + beside;
+    const Runs runs{n_, net_width, net_width, 1, 0};
+    const bool shortest = block.last - block.first == 1;
+    const bool winds = !demand_.few && cuts_left(block, kUsualDepthCuts + 1) && static_cast<double>(winding(net, runs)) > kWinding * static_cast<double>(net_width);
+    if (!winds && !too_long(block, error, largest, kMostBlurOfNets, [&] { return steps_of(net, runs); }, [&] { return slowest_change(net, runs); }) &&
+        reduction_->run(pencil, kLost * demand_.unit * largest, shortest, reduced_)) {
+      const Extent first = extent_of(net, net_width), last = extent_of(net + (n_ - 1) * net_width, net_width);
+      const double known = error + beside;
+      if (!suffices(error / largest, blur(block, error, slowest_change(net, runs)))) return false;
+      return emit(block, pencil, error, largest, (first.lowest > known && last.highest < -known) || (first.highest < -known && last.lowest > known));
+    }
+    double *const second = pencils_[level].of(n_ * (width + net_width)), *const second_net = second + n_ * width;
+    halve_unseen(pencil, second, {n_, width, width, 1, 0});
+    const Halves halves = halve(net, second_net, runs);
+    Block a = block, b = block;
+    a.last = b.first = (block.first + block.last) / 2;
+    const double child = error + grow_ * 0x1p-53 * longest_;
+    return slab(a, pencil, net, halves.first, child, level + 1) && slab(b, second, second_net, halves.second, child, level + 1);
   }
 
   double at(int part) const {
@@ -263,34 +390,87 @@ class Cutter {
 
   enum class Axis { none, down, depth };
 
-  // Where to cut: across what is longest. Within a tile slabs stay long where f rises or falls steadily along its rays, and become
-  // short where rounding would blur a root by more than is asked for.
+  // Where to cut: across what is longest.
   Axis longest(const Block& b, const Form& form, double error, double largest) const {
-    const int parts = b.last - b.first;
-    const double length = at(b.last) - at(b.first);
-    const bool long_slab = parts > 1 << (kMostDepthCuts - (demand_.few && n_ <= kMostDegreeOfFew + 1 ? kUsualDepthCutsOfFew : kUsualDepthCuts));
     if (b.y1 - b.y0 > 1) {
       const double middle = at((b.first + b.last) / 2), spread = frustum_.perspective ? std::fabs(frustum_.distance + middle) : 1;
-      return long_slab && length >= (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread ? Axis::depth : Axis::down;
+      return long_slab(b) && length(b) >= (b.y1 - b.y0) * std::fabs(static_cast<double>(frustum_.down)) * spread ? Axis::depth : Axis::down;
     }
-    if (parts == 1) return Axis::none;
+    const bool cuts = too_long(b, error, largest, kMostBlur, [&] { return steps_of(form.hi, along_depth()); }, [&] { return slowest_change(form.hi, along_depth()); });
+    return cuts ? Axis::depth : Axis::none;
+  }
+
+  double length(const Block& b) const { return at(b.last) - at(b.first); }
+  // Whether the block has been halved along its depth less often than that.
+  static bool cuts_left(const Block& b, int cuts) { return b.last - b.first > 1 << (kMostDepthCuts - cuts); }
+  bool long_slab(const Block& b) const { return cuts_left(b, demand_.few && n_ <= kMostDegreeOfFew + 1 ? kUsualDepthCutsOfFew : kUsualDepthCuts); }
+
+  // Whether a block of one tile is to be cut along its depth. Slabs stay long where f rises or falls steadily along the rays, and become
+  // short where rounding would blur a root by more than is asked for.
+  bool too_long(const Block& b, double error, double largest, double most_blur, const auto& steps, const auto& slowest) const {
+    if (b.last - b.first == 1) return false;
     const double degree = static_cast<double>(n_ - 1);
-    if (long_slab) {
+    if (long_slab(b)) {
       // Steady: the least slope along any ray is a fair share of the largest value, so that roots are as exact as coefficients are.
       const double slope = kSteady * largest / degree + 2 * error;
-      const Extent steps = steps_of(form.hi, along_depth());
-      if (!(steps.lowest > slope || steps.highest < -slope)) return Axis::depth;
+      const Extent e = steps();
+      if (!(e.lowest > slope || e.highest < -slope)) return true;
     }
-    // How far off rounding may put a root, in parts of the slab: where coefficients change their sign most slowly.
-    const double blur = (largest * rounding() + error) / std::max(slowest_change(form.hi, along_depth()) * degree, 1e-300);
-    return blur * length > 0.25 * demand_.eps ? Axis::depth : Axis::none;
+    return blur(b, largest * rounding() + error, slowest()) > most_blur * demand_.eps;
+  }
+
+  // How far off a root may be in a cell whose values are off by `error` and change their sign so slowly from coefficient to coefficient.
+  double blur(const Block& b, double error, double slowest) const { return error * length(b) / std::max(slowest * static_cast<double>(n_ - 1), 1e-300); }
+
+  // What coefficients of a cell, none larger than `largest`, are multiplied by.
+  static double scale_of(double largest) {
+    int exponent;
+    std::frexp(largest, &exponent);
+    return std::ldexp(1.0, 1 - exponent);
+  }
+
+  // Coefficients and both bases are rounded once, and each sum once a term; a term more for the rest.
+  static double bound(double kept, std::size_t terms, double unit, double weight) { return kept + static_cast<double>(terms + 4) * unit * weight; }
+
+  // Whether a cell whose coefficients are so inexact, in parts of the largest, is exact enough: it need not be more than floats are where roots do not suffer.
+  bool suffices(double kept, double blur = HUGE_VAL) {
+    if (!strict_ || kept <= enough() || (kept <= most_inexact() && blur <= kLittleBlur * (demand_.exact ? demand_.exact_eps : demand_.eps))) return true;
+    failed_error_ = kept;
+    return false;
+  }
+
+  // What is behind such a cell nobody sees.
+  void fill(const Block& b) {
+    if (place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
+  }
+
+  template <typename Real>
+  static Real* coefficients(Row& row, std::size_t count, std::int32_t& begin) {
+    constexpr std::size_t step = kCellStep * sizeof(Real);
+    begin = static_cast<std::int32_t>(row.used / step);
+    return reinterpret_cast<Real*>(row.add(whole_steps(count) * step));
+  }
+
+  bool emit(const Block& b, const double* pencil, double error, double largest, bool full) {
+    const double scale = scale_of(largest), kept = error * scale + 0x1p-52;
+    if (full) fill(b);
+    const auto down = static_cast<std::int32_t>(reduced_.down), across = static_cast<std::int32_t>(reduced_.across);
+    Cells::Cell cell{at(b.first), at(b.last), bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, demand_.unit, scale * reduced_.weight), down, across, 0};
+    reduction_->pack(reduced_, scale, coefficients<float>(found_.coefficients, reduced_.down * (static_cast<std::size_t>(demand_.depth) + 1) * reduced_.across, cell.begin));
+    if (demand_.exact) {
+      exact_reduction_->run(pencil, kLostToRefine * largest, true, reduced_);
+      cell.exact_error = bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, 0x1p-53, scale * reduced_.weight);
+      cell.exact_down = static_cast<std::int32_t>(reduced_.down);
+      cell.exact_across = static_cast<std::int32_t>(reduced_.across);
+      exact_reduction_->pack(reduced_, scale, coefficients<double>(found_.exact, reduced_.down * n_ * reduced_.across, cell.exact_begin));
+    }
+    found_.leaves.push_back({x_, b.y0, cell});
+    return true;
   }
 
   bool emit(const Block& b, const Form& form, double error, double largest) {
-    int exponent;
-    std::frexp(largest, &exponent);
-    const double scale = std::ldexp(1.0, 1 - exponent), kept = error * scale + 0x1p-52;
-    if (!form.lo && strict_ && kept > enough()) return false;
+    const double scale = scale_of(largest), kept = error * scale + 0x1p-52;
+    if (!form.lo && !suffices(kept)) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_ && (above || below); ++j)
       for (std::size_t i = 0; i < n_; ++i) {
@@ -298,45 +478,44 @@ class Cutter {
         above = above && first > error && last < -error;
         below = below && first < -error && last > error;
       }
-    if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
-    const std::size_t depth = static_cast<std::size_t>(demand_.depth) + 1, down = demand_.reduced ? reduced_.down : n_, across = demand_.reduced ? reduced_.across : n_;
-    const std::size_t step = kCellStep * (demand_.single() ? sizeof(float) : sizeof(double)), begin = found_.coefficients.used / step;
-    std::byte* const to = found_.coefficients.add(whole_steps(down * depth * across) * step);
-    const double* const from = demand_.reduced ? reduced_.values.data() : form.hi;
-    const std::size_t lines = demand_.reduced ? reduction_.padded() : m_;
+    if (above || below) fill(b);
+    const auto n = static_cast<std::int32_t>(n_);
+    Cells::Cell cell{at(b.first), at(b.last), bound(kept, 2 * n_, demand_.unit, scale * largest), n, n, 0};
     if (demand_.single()) {
-      pack(from, down * depth, across, lines, scale, reinterpret_cast<float*>(to));
+      pack(form.hi, n_ * n_, n_, m_, scale, coefficients<float>(found_.coefficients, n_ * n_ * n_, cell.begin));
     } else {
-      pack(from, down * depth, across, lines, scale, reinterpret_cast<double*>(to));
+      pack(form.hi, n_ * n_, n_, m_, scale, coefficients<double>(found_.coefficients, n_ * n_ * n_, cell.begin));
     }
-    // Coefficients and both bases are rounded once, and each sum once a term; a term more for the rest.
-    const auto bound = [&](std::size_t terms, double unit, double weight, double lost) { return kept + scale * (lost + static_cast<double>(terms + 4) * unit * weight); };
-    Cells::Cell cell{at(b.first), at(b.last), bound(down + across, demand_.unit, demand_.reduced ? reduced_.weight : largest, demand_.reduced ? reduced_.error : 0),
-                     static_cast<std::int32_t>(down), static_cast<std::int32_t>(across), static_cast<std::int32_t>(begin)};
     if (demand_.exact) {
-      cell.exact_begin = static_cast<std::int32_t>(found_.exact.used / (kCellStep * sizeof(double)));
-      pack(form.hi, n_ * n_, n_, m_, scale, reinterpret_cast<double*>(found_.exact.add(whole_steps(n_ * n_ * n_) * kCellStep * sizeof(double))));
-      cell.exact_error = bound(2 * n_, 0x1p-53, largest, 0);
+      cell.exact_error = bound(kept, 2 * n_, 0x1p-53, scale * largest);
+      cell.exact_down = cell.exact_across = n;
+      pack(form.hi, n_ * n_, n_, m_, scale, coefficients<double>(found_.exact, n_ * n_ * n_, cell.exact_begin));
     }
     found_.leaves.push_back({x_, b.y0, cell});
     return true;
   }
 
-  double enough() const { return !demand_.single() ? kExactInDoubles : demand_.exact ? kExactToRefine : std::max(rounding(), kExactEnough); }
+  double most_inexact() const { return demand_.exact ? kMostToRefine : demand_.single() ? rounding() : 0; }
+  double enough() const { return !demand_.single() ? kExactInDoubles : demand_.exact ? kExactToRefine : kExactEnough; }
 
   // What is to be expected of the kernel's, in parts of the largest coefficient.
   double rounding() const { return 2 * (demand_.depth + 5) * demand_.unit; }
 
   const Frustum& frustum_;
   Demand demand_;
-  const Reduction& reduction_;
+  const Reduction *reduction_ = nullptr, *exact_reduction_ = nullptr;  // Demand::reduced
   Reduction::Reduced reduced_;
+  std::deque<Room> strips_{1};
+  double longest_ = 0;       // the largest sum of sizes in a line of the pencil
+  std::vector<int> failed_;  // tiles of the last strips that are less exact than they may be
+  Room pencils_[kMostDepthCuts + 1], scratch_;  // pencils: by level
   Found& found_;
   std::size_t n_, m_, size_;
   double grow_, slack_;
   int x_ = 0;
   double sx_[2] = {};   // its left and its right
-  int precise_ = 0;     // cuts that this column needs in sums of two doubles
+  double allowed_ = HUGE_VAL;  // how large coefficients may be for double to be enough, as far as this column has shown
+  double failed_error_ = 0;    // of the last cell that was less exact than it may be
   bool strict_ = true;  // whether cells have to be exact enough
   std::vector<bool> full_;  // tiles all of whose rays have a root in a cell that stands already (nothing behind it is seen), or that nobody asked for
   std::vector<Room> pool_;
@@ -366,7 +545,6 @@ Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, con
     if (demand.exact) exact_room(kBehind);
     return out;
   }
-  const Reduction reduction(forms.degree(), demand.depth);
   const std::size_t workers = crew_size();
   std::vector<Found> found(workers);
   static std::array<std::array<Expected, limits::kFrustumDegree + 1>, 3> expected;  // in floats, in doubles, besides floats
@@ -375,7 +553,7 @@ Cells cells_of(const Columns& forms, const Frustum& f, const Demand& demand, con
   if (demand.exact) exact.emplace(found, &Found::exact, sizeof(double), exact_room, expected[2][forms.degree()]);
   std::atomic<std::size_t> next{0};
   by_crew([&](std::size_t worker) {
-    Cutter cutter(f, demand, forms.degree(), reduction, found[worker]);
+    Cutter cutter(f, demand, forms.degree(), found[worker]);
     // From the middle outward: the last columns hold little, so that workers end together.
     for (std::size_t k; (k = next++) < forms.count();) {
       const std::size_t middle = (forms.count() - 1) / 2, column = k % 2 ? middle + (k + 1) / 2 : middle - k / 2;

@@ -76,8 +76,9 @@ struct Cells {
     double error;      // bounds that of any value along a ray, rounding to the kernel's reals and contraction included; values lie within [-2, 2]
     std::int32_t down, across;  // lines of coefficients, and how many there are in each
     std::int32_t begin;         // in steps of kCellStep reals
-    double exact_error = 0;     // Demand::exact: of the form in doubles, as `error`,
-    std::int32_t exact_begin = 0;  // and where it begins
+    // Demand::exact: of the form in doubles.
+    double exact_error = 0;
+    std::int32_t exact_down = 0, exact_across = 0, exact_begin = 0;
   };
   std::vector<std::int32_t> begins;  // of each tile in `cells`, row by row, and the end
   std::vector<Cell> cells;
@@ -86,15 +87,17 @@ struct Cells {
 constexpr std::size_t kCellStep = 16;
 constexpr std::size_t kBehind = 512;  // bytes of the block behind any coefficient: kernels load whole vectors
 
-constexpr int kMostDepthCuts = 6;  // halvings of [near, far]
+constexpr int kMostDepthCuts = 8;  // halvings of [near, far]
 
 // What kernels take: half an ulp of their reals, the width of depth that is asked for, the degree along the depth; whether cells are reduced: then
-// they have Chebyshev polynomials across and down, else Bernstein's; whether each is wanted in doubles as well, not reduced; and the tiles that are asked for, row by row, where it is not all of them.
+// they have Chebyshev polynomials across and down, else Bernstein's; whether each is wanted in doubles as well, with the degree along the depth that f has, and to
+// which width roots are refined by these; and the tiles that are asked for, row by row, where it is not all of them.
 struct Demand {
   double unit, eps;
   int depth;
   bool reduced;
   bool exact = false;
+  double exact_eps = 0;
   const std::vector<bool>* tiles = nullptr;
   bool few = false;  // whether few pixels are: then cells are longer
 

@@ -15,6 +15,9 @@
 namespace irt::numerics {
 namespace {
 
+// Coefficients of a net each way.
+constexpr std::size_t kNetSide = 4;
+
 using Matrix = std::vector<std::vector<long double>>;
 
 // [r][i]: how much of T_r(2u - 1) there is in the i-th Bernstein polynomial of degree n - 1.
@@ -39,6 +42,18 @@ Matrix chebyshev_of_bernstein(std::size_t n) {
   Matrix out(n, std::vector<long double>(n));
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t r = 0; r < n; ++r) out[r][i] = b[i][r];
+  return out;
+}
+
+// [r][i]: the same of the step from the i-th coefficient to the next, but for the mean of the first and the last one, which T_0 has besides: constants have no other
+// polynomial in them.
+Matrix by_steps(const Matrix& m) {
+  const std::size_t n = m.size();
+  Matrix out(n, std::vector<long double>(n - 1));
+  for (std::size_t r = 0; r < n; ++r) {
+    long double before = r == 0 ? -0.5L : 0;
+    for (std::size_t i = 0; i + 1 < n; ++i) out[r][i] = -(before += m[r][i]);
+  }
   return out;
 }
 
@@ -68,6 +83,11 @@ typedef double Lanes __attribute__((vector_size(sizeof(double) * kLanes), aligne
 [[gnu::always_inline]] inline const Lanes& lanes(const double* at) { return *reinterpret_cast<const Lanes*>(at); }
 [[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 [[gnu::always_inline]] inline Lanes sizes(Lanes v) { return larger(v, -v); }
+[[gnu::always_inline]] inline double sum_of(Lanes v) {
+  double sum = v[0];
+  for (std::size_t k = 1; k < kLanes; ++k) sum += v[k];
+  return sum;
+}
 
 // What polynomials are made of: rows of factors, one for each sum of opposite coefficients and the middle one, or for each difference.
 struct Folded {
@@ -75,19 +95,19 @@ struct Folded {
   std::size_t evens, odds;  // rows
 };
 
-// kN coefficients `stride` apart, or n where kN is zero. Both bases are symmetric: even polynomials are made of sums of opposite coefficients, odd
-// ones of differences, in half the products.
+// kN coefficients `stride` vectors apart, or n where kN is zero. Both bases are symmetric: what is made of them is made of sums of opposite coefficients or of
+// differences, in half the products.
 template <std::size_t kN>
 class Fold {
  public:
-  [[gnu::always_inline]] Fold(const double* from, std::size_t stride, std::size_t n) : n_(kN ? kN : n) {
+  [[gnu::always_inline]] Fold(const Lanes* from, std::size_t stride, std::size_t n) : n_(kN ? kN : n) {
 #pragma GCC unroll 16
     for (std::size_t i = 0; i < n_ / 2; ++i) {
-      const Lanes a = lanes(from + i * stride), b = lanes(from + (n_ - 1 - i) * stride);
+      const Lanes a = from[i * stride], b = from[(n_ - 1 - i) * stride];
       sums_[i] = a + b;
       differences_[i] = a - b;
     }
-    if (n_ % 2) sums_[n_ / 2] = lanes(from + n_ / 2 * stride);
+    if (n_ % 2) sums_[n_ / 2] = from[n_ / 2 * stride];
   }
   [[gnu::always_inline]] Lanes even(const double* factors) const { return of(factors, sums_, (n_ + 1) / 2); }
   [[gnu::always_inline]] Lanes odd(const double* factors) const { return of(factors, differences_, n_ / 2); }
@@ -107,64 +127,75 @@ class Fold {
   Lanes sums_[(kMost + 1) / 2] = {}, differences_[kMost / 2] = {};
 };
 
-// polynomials[r] = that of degree r, of n lines of `width` values, a multiple of kLanes.
-template <std::size_t kN>
+// polynomials[r] = that of degree r, of n lines of `width` values, a multiple of kLanes. They are made of steps from line to line, over a tile much smaller
+// than lines, so that little is lost by rounding: T_0 of the mean of the ends and steps. kSteps: n - 1 of them, or any number where it is zero.
+template <std::size_t kSteps>
 [[gnu::always_inline]] inline void polynomials_of(const double* lines, std::size_t n, std::size_t width, const Folded& m, double* polynomials) {
+  const std::size_t count = kSteps ? kSteps : n - 1;
+  Lanes steps[kSteps ? kSteps : limits::kFrustumDegree];
   for (std::size_t w = 0; w < width; w += kLanes) {
-    const Fold<kN> fold(lines + w, width, n);
-    for (std::size_t r = 0; r < fold.sums(); ++r) lanes(polynomials + 2 * r * width + w) = fold.even(m.even + r * fold.sums());
-    for (std::size_t r = 0; r < fold.differences(); ++r) lanes(polynomials + (2 * r + 1) * width + w) = fold.odd(m.odd + r * fold.differences());
+    const Lanes first = lanes(lines + w);
+    Lanes last = first;
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < count; ++i) {
+      const Lanes next = lanes(lines + (i + 1) * width + w);
+      steps[i] = next - last;
+      last = next;
+    }
+    const Fold<kSteps> fold(steps, 1, count);
+    for (std::size_t r = 0; r < m.evens; ++r) lanes(polynomials + (2 * r + 1) * width + w) = fold.even(m.even + r * fold.sums());
+    for (std::size_t r = 0; r < m.odds; ++r) lanes(polynomials + 2 * r * width + w) = fold.odd(m.odd + r * fold.differences());
+    lanes(polynomials + w) += 0.5 * (first + last);
   }
 }
 
-// Planes of n lines become planes of `kept` lines; largest[r]: the largest size of what lies beyond in each polynomial, even ones first.
+// n lines of `width` values, `stride` apart, become `kept` lines; returns the sum of the sizes of all that lies beyond.
 template <std::size_t kN>
-[[gnu::always_inline]] inline void shorten(const double* planes, std::size_t n, std::size_t kept, std::size_t width, const Folded& m, double* to, double* largest) {
-  std::fill_n(largest, (n - kept) * width, 0.0);
-  for (std::size_t j = 0; j < n; ++j, planes += n * width, to += kept * width)
-    for (std::size_t w = 0; w < width; w += kLanes) {
-      const Fold<kN> fold(planes + w, width, n);
-      const double *even = m.even, *odd = m.odd;
-      for (std::size_t r = 0; r < kept / 2; ++r, even += fold.sums(), odd += fold.differences()) {
-        const Lanes a = fold.even(even), b = fold.odd(odd);
-        lanes(to + r * width + w) = a + b;
-        lanes(to + (kept - 1 - r) * width + w) = a - b;
-      }
-      if (kept % 2) {
-        lanes(to + kept / 2 * width + w) = fold.even(even);
-        even += fold.sums();
-      }
-      double* beyond = largest + w;
-      for (std::size_t r = (kept + 1) / 2; r < m.evens; ++r, even += fold.sums(), beyond += width) lanes(beyond) = larger(sizes(fold.even(even)), lanes(beyond));
-      for (std::size_t r = kept / 2; r < m.odds; ++r, odd += fold.differences(), beyond += width) lanes(beyond) = larger(sizes(fold.odd(odd)), lanes(beyond));
+[[gnu::always_inline]] inline double shorten(const double* lines, std::size_t n, std::size_t kept, std::size_t stride, std::size_t width, const Folded& m, double* to) {
+  Lanes lost{};
+  for (std::size_t w = 0; w < width; w += kLanes) {
+    const Fold<kN> fold(&numerics::lanes(lines + w), stride / kLanes, n);
+    const double *even = m.even, *odd = m.odd;
+    for (std::size_t r = 0; r < kept / 2; ++r, even += fold.sums(), odd += fold.differences()) {
+      const Lanes a = fold.even(even), b = fold.odd(odd);
+      lanes(to + r * stride + w) = a + b;
+      lanes(to + (kept - 1 - r) * stride + w) = a - b;
     }
+    if (kept % 2) {
+      lanes(to + kept / 2 * stride + w) = fold.even(even);
+      even += fold.sums();
+    }
+    for (std::size_t r = (kept + 1) / 2; r < m.evens; ++r, even += fold.sums()) lost += sizes(fold.even(even));
+    for (std::size_t r = kept / 2; r < m.odds; ++r, odd += fold.differences()) lost += sizes(fold.odd(odd));
+  }
+  return sum_of(lost);
 }
 
 IRT_WIDEST void polynomials_of(const double* lines, std::size_t n, std::size_t width, const Folded& m, double* polynomials) {
   switch (n) {
-    case 8: return polynomials_of<8>(lines, n, width, m, polynomials);
-    case 9: return polynomials_of<9>(lines, n, width, m, polynomials);
-    case 10: return polynomials_of<10>(lines, n, width, m, polynomials);
-    case 11: return polynomials_of<11>(lines, n, width, m, polynomials);
-    case 12: return polynomials_of<12>(lines, n, width, m, polynomials);
-    case 13: return polynomials_of<13>(lines, n, width, m, polynomials);
+    case 8: return polynomials_of<7>(lines, n, width, m, polynomials);
+    case 9: return polynomials_of<8>(lines, n, width, m, polynomials);
+    case 10: return polynomials_of<9>(lines, n, width, m, polynomials);
+    case 11: return polynomials_of<10>(lines, n, width, m, polynomials);
+    case 12: return polynomials_of<11>(lines, n, width, m, polynomials);
+    case 13: return polynomials_of<12>(lines, n, width, m, polynomials);
     default: return polynomials_of<0>(lines, n, width, m, polynomials);
   }
 }
 
-IRT_WIDEST void shorten(const double* planes, std::size_t n, std::size_t kept, std::size_t width, const Folded& m, double* to, double* largest) {
+IRT_WIDEST double shorten(const double* lines, std::size_t n, std::size_t kept, std::size_t stride, std::size_t width, const Folded& m, double* to) {
   switch (n) {
-    case 10: return shorten<10>(planes, n, kept, width, m, to, largest);
-    case 11: return shorten<11>(planes, n, kept, width, m, to, largest);
-    case 12: return shorten<12>(planes, n, kept, width, m, to, largest);
-    case 13: return shorten<13>(planes, n, kept, width, m, to, largest);
-    default: return shorten<0>(planes, n, kept, width, m, to, largest);
+    case 10: return shorten<10>(lines, n, kept, stride, width, m, to);
+    case 11: return shorten<11>(lines, n, kept, stride, width, m, to);
+    case 12: return shorten<12>(lines, n, kept, stride, width, m, to);
+    case 13: return shorten<13>(lines, n, kept, stride, width, m, to);
+    default: return shorten<0>(lines, n, kept, stride, width, m, to);
   }
 }
 
-// A product of matrices: `rows` lines of n factors, `from_step` apart, with n lines of `width` values.
+// A product of matrices: `rows` lines of n factors, `from_step` apart and `term_step` in a line, with n lines of `width` values.
 struct Product {
-  std::size_t rows, n, width, from_step, with_step, to_step;
+  std::size_t rows, n, width, from_step, term_step, with_step, to_step;
 };
 
 // kRows rows of it, kVectors vectors wide: as many sums as hide the time that each step of one takes.
@@ -176,7 +207,7 @@ template <std::size_t kRows, std::size_t kVectors>
     for (std::size_t v = 0; v < kVectors; ++v) {
       const Lanes value = lanes(with + i * p.with_step + v * kLanes);
 #pragma GCC unroll 8
-      for (std::size_t r = 0; r < kRows; ++r) sums[r][v] += from[r * p.from_step + i] * value;
+      for (std::size_t r = 0; r < kRows; ++r) sums[r][v] += from[r * p.from_step + i * p.term_step] * value;
     }
   for (std::size_t r = 0; r < kRows; ++r)
     for (std::size_t v = 0; v < kVectors; ++v) lanes(to + r * p.to_step + v * kLanes) = sums[r][v];
@@ -201,15 +232,6 @@ IRT_WIDEST void multiply(const double* from, const double* with, double* to, con
   }
 }
 
-// sums[i] = the sum of |values[k][i]| over n lines, a multiple of kLanes long.
-IRT_WIDEST void sizes_of(const double* values, std::size_t n, std::size_t width, double* sums) {
-  for (std::size_t w = 0; w < width; w += kLanes) {
-    Lanes sum{};
-    for (std::size_t k = 0; k < n; ++k) sum += sizes(lanes(values + k * width + w));
-    lanes(sums + w) = sum;
-  }
-}
-
 // largest[i] = the largest |values[k][i]| of n lines, a multiple of kLanes long.
 IRT_WIDEST void largest_of(const double* values, std::size_t n, std::size_t width, double* largest) {
   for (std::size_t w = 0; w < width; w += kLanes) {
@@ -223,31 +245,111 @@ Folded folded(const auto& halves, std::size_t sums, std::size_t differences) {
   return {halves.even.data(), halves.odd.data(), halves.even.size() / sums, differences ? halves.odd.size() / differences : 0};
 }
 
-double largest_of(const double* values, std::size_t n) {
-  const Extent e = extent_of(values, n);
-  return std::max(std::fabs(e.lowest), std::fabs(e.highest));
+// The sum of the sizes of `width` values, a multiple of kLanes.
+[[gnu::always_inline]] inline double size_of(const double* line, std::size_t width) {
+  Lanes sums[2] = {};
+  std::size_t w = 0;
+  for (; w + 2 * kLanes <= width; w += 2 * kLanes)
+    for (std::size_t k = 0; k < 2; ++k) sums[k] += sizes(lanes(line + w + k * kLanes));
+  if (w < width) sums[0] += sizes(lanes(line + w));
+  return sum_of(sums[0] + sums[1]);
+}
+
+IRT_WIDEST double largest_size_of(const double* values, std::size_t n, std::size_t stride, std::size_t width) {
+  double most = 0;
+  for (std::size_t k = 0; k < n; ++k) most = std::max(most, size_of(values + k * stride, width));
+  return most;
+}
+
+// The largest sum of sizes of what lines change by to the one a plane further down: n planes of lines of `width` values.
+IRT_WIDEST double largest_step_of(const double* values, std::size_t n, std::size_t plane, std::size_t width) {
+  double most = 0;
+  for (const double* end = values + (n - 1) * plane; values < end; values += width) {
+    Lanes sum{};
+    for (std::size_t w = 0; w < width; w += kLanes) sum += sizes(lanes(values + plane + w) - lanes(values + w));
+    most = std::max(most, sum_of(sum));
+  }
+  return most;
+}
+
+double largest_of_any(const double* values, std::size_t n) {
+  double most = 0;
+  for (std::size_t i = 0; i < n; ++i) most = std::max(most, std::fabs(values[i]));
+  return most;
+}
+
+// The net of a line of a pencil: what the first `side` polynomials make, in lines of `lines` coefficients. `beside` becomes the sum of the sizes of the others;
+// returns that of all.
+IRT_WIDEST double net_of(const double* line, const PencilRow* rows, std::size_t n, std::size_t side, std::size_t lines, const double* factors, double* net, double& beside) {
+  double all = 0, inside = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    all += size_of(line + rows[j].begin, rows[j].padded);
+    if (j < side)
+      for (std::size_t i = 0; i < std::min(side, rows[j].count); ++i) inside += std::fabs(line[rows[j].begin + i]);
+  }
+  beside = std::max(0.0, all - inside) + 0x1p-53 * static_cast<double>(2 * n * n) * all;
+  double across[kNetSide][kNetSide + kLanes];
+  for (std::size_t j = 0; j < side; ++j)
+    for (std::size_t w = 0; w < lines; w += kLanes) {
+      Lanes sum{};
+      for (std::size_t i = 0; i < std::min(side, rows[j].count); ++i) sum += line[rows[j].begin + i] * lanes(factors + i * lines + w);
+      lanes(across[j] + w) = sum;
+    }
+  for (std::size_t r = 0; r < side; ++r)
+    for (std::size_t w = 0; w < lines; w += kLanes) {
+      Lanes sum{};
+      for (std::size_t j = 0; j < side; ++j) sum += factors[j * lines + r] * lanes(across[j] + w);
+      lanes(net + r * lines + w) = sum;
+    }
+  return all;
+}
+
+template <typename Real>
+[[gnu::always_inline]] inline void pack_rows(const double* values, std::size_t depth, std::size_t width, const PencilRow* rows, std::size_t down, std::size_t across, double scale,
+                                             Real* to) {
+  typedef Real Reals __attribute__((vector_size(sizeof(Real) * kLanes), aligned(alignof(Real)), may_alias));
+  for (std::size_t j = 0; j < down; ++j)
+    for (std::size_t k = 0; k < depth; ++k, to += across) {
+      const double* from = values + k * width + rows[j].begin;
+      for (std::size_t i = 0; i < across; i += kLanes)
+        *reinterpret_cast<Reals*>(to + i) = i < rows[j].padded ? __builtin_convertvector(lanes(from + i) * scale, Reals) : Reals{};
+    }
+}
+
+IRT_WIDEST void pack_in_floats(const double* values, std::size_t depth, std::size_t width, const PencilRow* rows, std::size_t down, std::size_t across, double scale, float* to) {
+  pack_rows(values, depth, width, rows, down, across, scale, to);
+}
+
+IRT_WIDEST void pack_in_doubles(const double* values, std::size_t depth, std::size_t width, const PencilRow* rows, std::size_t down, std::size_t across, double scale, double* to) {
+  pack_rows(values, depth, width, rows, down, across, scale, to);
 }
 
 }  // namespace
 
 Reduction::Reduction(int degree, int depth)
-    : n_(static_cast<std::size_t>(degree) + 1), depth_(static_cast<std::size_t>(depth) + 1), lines_((n_ + kLanes - 1) / kLanes * kLanes), across_(n_ * lines_, 0) {
-  const Matrix m = chebyshev_of_bernstein(n_);
-  double all = 0, along = 1;
+    : n_(static_cast<std::size_t>(degree) + 1), depth_(static_cast<std::size_t>(depth) + 1), lines_((n_ + kLanes - 1) / kLanes * kLanes),
+      side_(std::min(n_, kNetSide)), net_lines_((side_ + kLanes - 1) / kLanes * kLanes), across_(n_ * lines_, 0), net_(side_ * net_lines_) {
+  for (std::size_t j = 0; j < n_; ++j) {
+    const std::size_t count = n_ - j, padded = (count + kLanes - 1) / kLanes * kLanes;
+    rows_.push_back({width_, count, padded});
+    width_ += padded;
+  }
+  const Matrix m = chebyshev_of_bernstein(n_), steps = by_steps(m);
+  double along = 0;  // the largest row of what shortens lines
   for (std::size_t r = 0; r < n_; ++r)
-    for (std::size_t i = 0; i < n_; ++i) {
-      across_[i * lines_ + r] = static_cast<double>(m[r][i]);
-      all += std::fabs(across_[i * lines_ + r]);
+    for (std::size_t i = 0; i + 1 < n_; ++i) {
+      across_[i * lines_ + r] = static_cast<double>(steps[r][i]);
+      all_ += std::fabs(across_[i * lines_ + r]);
     }
   // Of folded lines.
-  const auto add = [&](Halves& to, std::size_t r, const auto& at) {
-    if (r % 2 == 0) {
-      for (std::size_t i = 0; i < (n_ + 1) / 2; ++i) to.even.push_back(static_cast<double>(at(i)));
+  const auto add = [](Halves& to, bool even, std::size_t n, const auto& at) {
+    if (even) {
+      for (std::size_t i = 0; i < (n + 1) / 2; ++i) to.even.push_back(static_cast<double>(at(i)));
     } else {
-      for (std::size_t i = 0; i < n_ / 2; ++i) to.odd.push_back(static_cast<double>(at(i)));
+      for (std::size_t i = 0; i < n / 2; ++i) to.odd.push_back(static_cast<double>(at(i)));
     }
   };
-  for (std::size_t r = 0; r < n_; ++r) add(down_, r, [&](std::size_t i) { return m[r][i]; });
+  for (std::size_t r = 0; r < n_; ++r) add(down_, r % 2 == 1, n_ - 1, [&](std::size_t i) { return steps[r][i]; });
   if (depth_ < n_) {
     Matrix kept(depth_, std::vector<long double>(n_, 0));
     for (std::size_t r = 0; r < depth_; ++r) {
@@ -261,68 +363,102 @@ Reduction::Reduction(int degree, int depth)
       along = std::max(along, sum);
     }
     // Means and half the differences of opposite lines, then what is lost.
-    for (std::size_t k = 0; k < (depth_ + 1) / 2; ++k) add(along_, 0, [&](std::size_t i) { return 0.5L * (kept[k][i] + kept[depth_ - 1 - k][i]); });
-    for (std::size_t k = 0; k < depth_ / 2; ++k) add(along_, 1, [&](std::size_t i) { return 0.5L * (kept[k][i] - kept[depth_ - 1 - k][i]); });
-    for (std::size_t r = depth_; r < n_; ++r) add(along_, r, [&](std::size_t i) { return m[r][i]; });
+    for (std::size_t k = 0; k < (depth_ + 1) / 2; ++k) add(along_, true, n_, [&](std::size_t i) { return 0.5L * (kept[k][i] + kept[depth_ - 1 - k][i]); });
+    for (std::size_t k = 0; k < depth_ / 2; ++k) add(along_, false, n_, [&](std::size_t i) { return 0.5L * (kept[k][i] - kept[depth_ - 1 - k][i]); });
+    for (std::size_t r = depth_; r < n_; ++r) add(along_, r % 2 == 0, n_, [&](std::size_t i) { return m[r][i]; });
   }
   // Each of n terms at most is rounded; so are sums of lines before and after.
-  rounding_ = 0x1p-53 * static_cast<double>(n_ + 10) * along * (1 + all + all * all);
+  along_rounding_ = 0x1p-53 * static_cast<double>(n_ + 10) * along;
+  double largest = 1;
+  for (std::size_t r = 0; r < side_; ++r) {
+    const auto c = bernstein_of_chebyshev(r, side_);
+    for (std::size_t i = 0; i < net_lines_; ++i) largest = std::max(largest, std::fabs(net_[r * net_lines_ + i] = static_cast<double>(c[std::min(i, side_ - 1)])));
+  }
+  net_rounding_ = 0x1p-53 * static_cast<double>(2 * side_ + 4) * largest * largest;
+  net_cut_rounding_ = 0x1p-53 * static_cast<double>(n_ + 1) * largest * largest;
 }
 
-bool Reduction::run(const double* form, std::size_t padded, double largest, double tolerance, bool must, Reduced& out) const {
-  const std::size_t n = n_, m = padded;
-  double* const first = out.scratch.of(2 * n * n * m);
-  double* const second = first + n * n * m;
-  out.error = rounding_ * largest;
-  const double* planes = form;
-  if (depth_ < n) {
-    // Along the depth, plane by plane. f is a mean of its lines, so what the worst of them loses bounds what f does.
-    double* const lost = second;
-    shorten(form, n, depth_, m, folded(along_, (n + 1) / 2, n / 2), first, lost);
-    double error = 0;
-    for (std::size_t r = 0; r < n - depth_; ++r) error += *std::max_element(lost + r * m, lost + (r + 1) * m);
-    if (error > tolerance && !must) return false;
-    out.error += error;
-    planes = first;
+double Reduction::strip_of(const double* form, const Steps& steps, double largest, Strip& strip, double* values, Room& scratch) const {
+  const std::size_t planes = n_ * n_, count = n_ - 1;
+  double* const from = scratch.of(count * planes + kLanes);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < planes; ++k) from[i * planes + k] = form[k * steps.line + (i + 1) * steps.term] - form[k * steps.line + i * steps.term];
+  const double step = largest_of_any(from, count * planes);
+  multiply(from, across_.data(), values, {planes, count, lines_, 1, planes, lines_, lines_});
+  for (std::size_t k = 0; k < planes; ++k) values[k * lines_] += 0.5 * (form[k * steps.line] + form[k * steps.line + count * steps.term]);
+  strip.widest = largest_size_of(values, planes, lines_, lines_) * (1 + 1e-12);
+  strip.steepest = largest_step_of(values, n_, plane(), lines_) * (1 + 1e-12);
+  // A step, each of its terms with its factor, and sums are rounded.
+  return 0x1p-53 * (2 * largest + all_ * static_cast<double>(n_ + 2) * step);
+}
+
+double Reduction::pencil_of(const double* strip, const Strip& of, int cuts, double* pencil, double* net, double& longest, Room& scratch) const {
+  const std::size_t n = n_, plane = this->plane();
+  double* const values = scratch.of(n * plane + lines_);
+  double* const sizes = values + n * plane;
+  polynomials_of(strip, n, plane, folded(down_, n / 2, (n - 1) / 2), values);
+  double lost = 0;  // of what the degree says is zero, nothing but rounding
+  for (std::size_t j = 0; j < n; ++j) {
+    const PencilRow& row = rows_[j];
+    const double* const from = values + j * plane;
+    largest_of(from, n, lines_, sizes);
+    for (std::size_t i = row.count; i < n; ++i) lost += sizes[i];
+    for (std::size_t k = 0; k < n; ++k) {
+      double* const to = pencil + k * width() + row.begin;
+      std::copy_n(from + k * lines_, row.padded, to);
+      for (std::size_t i = row.count; i < row.padded; ++i) to[i] = 0;
+    }
   }
-  const std::size_t width = depth_ * m;
-  polynomials_of(planes, n, width, folded(down_, (n + 1) / 2, n / 2), second);
-  out.down = n;
-  for (double lost = 0; out.down > 1; --out.down) {
-    const double more = largest_of(second + (out.down - 1) * width, width);
-    if (lost + more > tolerance) break;
-    lost += more;
-    out.error += more;
+  longest = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const line = pencil + k * width();
+    const double all = net_of(line, rows_.data(), n, side_, net_lines_, net_.data(), net + k * net_width(), line[width_]);
+    longest = std::max(longest, all);
+    line[width_] += (net_rounding_ + cuts * net_cut_rounding_) * all;
+    for (std::size_t i = 1; i < kLanes; ++i) line[width_ + i] = 0;
   }
-  // Across: lines by the transposed matrix.
-  const std::size_t lines = out.down * depth_, plane = depth_ * lines_;
-  if (out.values.size() < n * n * lines_ + kLanes) out.values.resize(n * n * lines_ + kLanes);
-  double* const values = out.values.data();
-  multiply(second, across_.data(), values, {lines, n, lines_, m, lines_, lines_});
-  // |T| <= 1: what is lost is at most the sum over `down` of the largest along the depth.
-  double *const sizes = first, *const here = sizes + lines_;
-  std::fill_n(sizes, lines_, 0.0);
-  for (std::size_t j = 0; j < out.down; ++j) {
-    largest_of(values + j * plane, depth_, lines_, here);
-    for (std::size_t r = 0; r < n; ++r) sizes[r] += here[r];
+  // Steps, sums of two, half as many terms with their factors, and their sums are rounded.
+  return lost + 0x1p-53 * (2 * of.widest + all_ * static_cast<double>(n / 2 + 4) * of.steepest);
+}
+
+bool Reduction::run(const double* pencil, double tolerance, bool must, Reduced& out) const {
+  double* const sizes = out.scratch.of((depth_ + 1) * width());
+  out.error = 0;
+  out.values = pencil;
+  if (depth_ < n_) {
+    double* const shorter = sizes + width();
+    const double lost = shorten(pencil, n_, depth_, width(), width_, folded(along_, (n_ + 1) / 2, n_ / 2), shorter);
+    if (lost > tolerance && !must) return false;
+    out.error = lost + along_rounding_ * largest_size_of(pencil, n_, width(), width_);
+    out.values = shorter;
   }
-  out.across = n;
-  for (double lost = 0; out.across > 1; --out.across) {
-    const double more = sizes[out.across - 1];
-    if (lost + more > tolerance) break;
-    lost += more;
-    out.error += more;
-  }
-  out.weight = 0;
-  sizes_of(values, out.down, plane, first);
-  for (std::size_t k = 0; k < depth_; ++k) {
+  // |T| <= 1, and along the depth f is a mean of lines: what is lost is at most the sum of the largest sizes.
+  largest_of(out.values, depth_, width(), sizes);
+  const auto drop = [&](std::size_t& left, const auto& size) {
+    for (double lost = 0; left > 1; --left) {
+      const double more = size(left - 1);
+      if (lost + more > tolerance) break;
+      lost += more;
+      out.error += more;
+    }
+  };
+  out.down = out.across = n_;
+  drop(out.down, [&](std::size_t j) {
     double sum = 0;
-    for (std::size_t r = 0; r < out.across; ++r) sum += first[k * lines_ + r];
-    out.weight = std::max(out.weight, sum);
-  }
-  out.weight *= 1 + 1e-12;
+    for (std::size_t i = 0; i < rows_[j].count; ++i) sum += sizes[rows_[j].begin + i];
+    return sum;
+  });
+  drop(out.across, [&](std::size_t i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < std::min(out.down, n_ - i); ++j) sum += sizes[rows_[j].begin + i];
+    return sum;
+  });
+  out.weight = largest_size_of(out.values, depth_, width(), width_) * (1 + 1e-12);
   return true;
 }
+
+void Reduction::pack(const Reduced& reduced, double scale, float* to) const { pack_in_floats(reduced.values, depth_, width(), rows_.data(), reduced.down, reduced.across, scale, to); }
+void Reduction::pack(const Reduced& reduced, double scale, double* to) const { pack_in_doubles(reduced.values, depth_, width(), rows_.data(), reduced.down, reduced.across, scale, to); }
 
 void chebyshev_at(double u, std::size_t n, double* values, double* slopes) {
   const double x = 2 * u - 1;

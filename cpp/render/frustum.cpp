@@ -28,14 +28,15 @@ using program::Precision;
 constexpr std::size_t kFewPixels = 64, kVeryFewPixels = 8;
 // With Options::or_march, shares of the frame beyond which open pixels are marched instead, and least numbers.
 constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 256, kReferenceLeast = 256;
-// Cells of floats have this degree along their depth at most.
-constexpr int kReducedDegree = 8;
+// From the one degree on cells of floats have the other along their depth.
+constexpr int kLeastShortened = 9, kShortenedDegree = 7;
 // Polynomials of this degree have cells of fewer coefficients.
 constexpr int kLeastReduced = 7;
 // Roots are refined in pictures of so many pixels: smaller ones spend more on cells for that than on a search in double.
 constexpr std::size_t kRefinedPixels = 1 << 14;
 // By how many times the bracket that is wanted cells may blur a root before it is refined: few roots lie where cells blur most.
 constexpr double kFineBlur = 10;
+constexpr std::size_t kShape = 6;  // integers of a cell
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
 struct Screen {
@@ -147,7 +148,7 @@ bool reduces(int degree, Precision precision) { return precision == Precision::S
 
 // Degree along a cell's depth. S2's root finders, whose insertions are compared with S2's, and double precision keep the polynomial's.
 int depth_degree(int degree, const Options& options, Precision precision) {
-  return precision == Precision::Single && options.finder == "frustum_newton" ? std::min(degree, kReducedDegree) : degree;
+  return precision == Precision::Single && options.finder == "frustum_newton" && degree >= kLeastShortened ? kShortenedDegree : degree;
 }
 
 // Cells as buffers: slabs, shapes and forms.
@@ -168,7 +169,7 @@ Forms forms_of(const numerics::Columns& columns, const Screen& screen, const num
   const auto space = [](std::vector<Memory>& blocks) { return [&blocks](std::size_t bytes) { return blocks.emplace_back(bytes).data(); }; };
   const numerics::Cells cells = numerics::cells_of(columns, screen.frustum, demand, space(form), space(exact));
   const std::size_t count = cells.cells.size();
-  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(4 * count * sizeof(std::int32_t)), Reals(precision, 4 * count), form.back(), {}};
+  Forms out{Memory(cells.begins.size() * sizeof(std::int32_t)), Memory(kShape * count * sizeof(std::int32_t)), Reals(precision, 4 * count), form.back(), {}};
   if (demand.exact) out.exact_form = exact.back();
   std::copy(cells.begins.begin(), cells.begins.end(), out.tiles.as<std::int32_t>());
   for (std::size_t m = 0; m < count; ++m) {
@@ -177,14 +178,14 @@ Forms forms_of(const numerics::Columns& columns, const Screen& screen, const num
     out.slabs.set(4 * m + 1, cell.far - cell.near);
     out.slabs.set_above(4 * m + 2, cell.error);
     out.slabs.set_above(4 * m + 3, cell.exact_error);
-    const std::int32_t shape[] = {cell.down, cell.across, cell.begin, cell.exact_begin};
-    std::copy_n(shape, 4, out.shapes.as<std::int32_t>() + 4 * m);
+    const std::int32_t shape[kShape] = {cell.down, cell.across, cell.begin, cell.exact_down, cell.exact_across, cell.exact_begin};
+    std::copy_n(shape, kShape, out.shapes.as<std::int32_t>() + kShape * m);
   }
   return out;
 }
 
 // The polynomials of cells and their slopes at the centres of a tile's pixels.
-Reals basis_of(const Screen& screen, int degree, const Options& options, Precision precision) {
+Reals basis_of(const Screen& screen, int degree, const Options& options, Precision precision, bool reduced) {
   const std::size_t n = static_cast<std::size_t>(degree) + 1, tile = screen.tile;
   Reals basis(precision, kView + 2 * n * tile);
   const numerics::Frustum& f = screen.frustum;
@@ -201,7 +202,7 @@ Reals basis_of(const Screen& screen, int degree, const Options& options, Precisi
   std::vector<double> values(n), slopes(n);
   for (std::size_t pixel = 0; pixel < tile; ++pixel) {
     const double u = (static_cast<double>(pixel) + 0.5) / static_cast<double>(tile);
-    if (reduces(degree, precision)) {
+    if (reduced) {
       numerics::chebyshev_at(u, n, values.data(), slopes.data());
     } else {
       numerics::bernstein_at(u, n, values.data(), slopes.data());
@@ -283,10 +284,11 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
   demand.tiles = wanted;
   demand.few = packets && options.first_eps == 0;  // long slabs leave open what is to be narrowed further
   demand.exact = fine;
+  demand.exact_eps = options.eps;
   const Forms forms = forms_of(columns_of_tiles, screen, demand);
-  const Reals basis = basis_of(screen, degree, options, precision);
+  const Reals basis = basis_of(screen, degree, options, precision, demand.reduced);
   std::optional<Reals> exact_basis;  // to refine roots by
-  if (fine) exact_basis.emplace(basis_of(screen, degree, options, Precision::Double));
+  if (fine) exact_basis.emplace(basis_of(screen, degree, options, Precision::Double, demand.reduced));
   answer.prepare_seconds = seconds_since(start);
   const auto columns = terms.columns.buffer(device), rows = terms.rows.buffer(device);
   std::vector<device::Arg> inputs{columns.get(), rows.get(), static_cast<std::int32_t>(terms.column_stride), static_cast<std::int32_t>(terms.row_stride)};

@@ -230,7 +230,7 @@ CONTRACT(refine) {
   wide basis[20] = {};
   for (int k = 0; k < 4; ++k) basis[16 + k] = static_cast<double>(bernstein[k] + (exact(error) - 0x1p-52) * (rng.chance(0.5) ? rng.sign() : rng.between(-1, 1)));
   const ROOT before = root;
-  refine(&ray, &root, ALL, q, near, length, error, 0, basis, basis);
+  refine(&ray, &root, ALL, q, near, length, error, 0, basis, 4, basis);
   if (root.half_width == before.half_width) return true;
   const F reach = (F)(R(0.45) * q[8]) / NARROW(ray.length);
   if (!at_most(of(reach) * (1 + exact(0x1p-23)), of(root.half_width))) return false;  // room for the rounding of a product (results.cl)

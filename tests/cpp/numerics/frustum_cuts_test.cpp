@@ -29,6 +29,10 @@ TEST(Halve, IsDeCasteljausAlgorithm) {
           for (std::size_t k = 0; k + 1 < n - i; ++k) c[k] = 0.5 * (c[k] + c[k + 1]);
         }
       }
+    std::vector<double> unseen = first, behind(first.size());
+    halve_unseen(unseen.data(), behind.data(), {n, width, width, 2, n * width});
+    EXPECT_EQ(unseen, left) << n;
+    EXPECT_EQ(behind, right) << n;
     const Halves halves = halve(first.data(), second.data(), {n, width, width, 2, n * width});
     EXPECT_EQ(first, left) << n;
     EXPECT_EQ(second, right) << n;
@@ -46,18 +50,25 @@ TEST(Steps, GoFromLineToLine) {
   std::vector<double> values(3 * n * width);
   for (double& v : values) v = any(random);
   double least = HUGE_VAL, most = -HUGE_VAL, slowest = HUGE_VAL;
+  std::vector<int> changes(3 * width, 0);
   for (std::size_t run = 0; run < 3; ++run)
     for (std::size_t i = 1; i < n; ++i)
       for (std::size_t m = 0; m < width; ++m) {
         const double a = values[(run * n + i - 1) * width + m], b = values[(run * n + i) * width + m];
         least = std::min(least, b - a);
         most = std::max(most, b - a);
-        if ((a < 0) != (b < 0)) slowest = std::min(slowest, std::fabs(b - a));
+        if ((a < 0) == (b < 0)) continue;
+        slowest = std::min(slowest, std::fabs(b - a));
+        ++changes[run * width + m];
       }
   const Runs runs{n, width, width, 3, n * width};
   EXPECT_EQ(steps_of(values.data(), runs).lowest, least);
   EXPECT_EQ(steps_of(values.data(), runs).highest, most);
   EXPECT_EQ(slowest_change(values.data(), runs), slowest);
+  const auto winds = std::count_if(changes.begin(), changes.end(), [](int times) { return times > 1; });
+  EXPECT_GT(winds, 0);
+  EXPECT_LT(winds, static_cast<std::ptrdiff_t>(changes.size()));
+  EXPECT_EQ(winding(values.data(), runs), static_cast<std::size_t>(winds));
 }
 
 TEST(Pack, WritesLinesOneBehindTheOther) {

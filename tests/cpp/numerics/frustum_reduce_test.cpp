@@ -15,7 +15,7 @@ namespace {
 using Basis = void (*)(double, std::size_t, double*, double*);
 
 // A tensor [down][depth][across], lines across `padded` apart.
-double value(const std::vector<double>& c, std::size_t down, std::size_t depth, std::size_t across, std::size_t padded, Basis basis, const double* at) {
+double value(const double* c, std::size_t down, std::size_t depth, std::size_t across, std::size_t padded, Basis basis, const double* at) {
   std::vector<double> v(down), s(depth), u(across), slopes(std::max({down, depth, across}));
   basis(at[0], down, v.data(), slopes.data());
   bernstein_at(at[1], depth, s.data(), slopes.data());
@@ -27,42 +27,106 @@ double value(const std::vector<double>& c, std::size_t down, std::size_t depth, 
   return sum;
 }
 
-TEST(Reduction, LosesNoMoreThanItSays) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> between(-1, 1);
-  for (const int degree : {2, 5, 10, 16})
-    for (const double roughness : {0.02, 0.4, 1.0}) {
-      const std::size_t n = static_cast<std::size_t>(degree) + 1, m = (n + kLanes - 1) / kLanes * kLanes;
-      std::vector<double> form(n * n * m, 0);
+using Random = std::mt19937;
+
+double between(Random& random) { return std::uniform_real_distribution<double>(-1, 1)(random); }
+
+// Bernstein coefficients of degree n - 1 of a polynomial of degree `degree`.
+std::vector<double> line_of(std::size_t degree, std::size_t n, Random& random) {
+  std::vector<double> c(degree + 1);
+  for (double& v : c) v = between(random);
+  while (c.size() < n) {
+    const std::size_t d = c.size();
+    c.push_back(c.back());
+    for (std::size_t i = d - 1; i > 0; --i) c[i] += static_cast<double>(i) / static_cast<double>(d) * (c[i - 1] - c[i]);
+  }
+  return c;
+}
+
+// [down][depth][across], lines m apart: of total degree n - 1, as polynomials over a view are, and with noise that is of none; at most 2.
+std::vector<double> some_form(std::size_t n, std::size_t m, double noise, Random& random) {
+  std::vector<double> form(n * n * m, 0);
+  for (std::size_t down = 0; down < n; ++down)
+    for (std::size_t across = 0; down + across < n; ++across) {
+      const auto v = line_of(down, n, random), s = line_of(n - 1, n, random), u = line_of(across, n, random);
+      const double size = std::pow(0.3, static_cast<double>(down + across));
       for (std::size_t j = 0; j < n; ++j)
         for (std::size_t k = 0; k < n; ++k)
-          for (std::size_t i = 0; i < m; ++i)
-            form[(j * n + k) * m + i] = i < n ? (1 - roughness) * std::sin(0.1 * static_cast<double>(j + 2 * k) - 0.2 * static_cast<double>(i)) + roughness * between(random)
-                                              : form[(j * n + k) * m + n - 1];
+          for (std::size_t i = 0; i < n; ++i) form[(j * n + k) * m + i] += 0.4 * size * v[j] * s[k] * u[i] + noise / static_cast<double>(n * n) * between(random);
+    }
+  return form;
+}
+
+double largest_of(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double v : values) largest = std::max(largest, std::fabs(v));
+  return largest;
+}
+
+TEST(Reduction, LosesNoMoreThanItSays) {
+  Random random(5);
+  for (const int degree : {2, 5, 10, 16})
+    for (const double noise : {0.0, 0.1}) {
+      const std::size_t n = static_cast<std::size_t>(degree) + 1, m = (n + kLanes - 1) / kLanes * kLanes;
+      const std::vector<double> form = some_form(n, m, noise, random);
       for (const int depth : {1, degree / 2 + 1, degree})
         for (const double tolerance : {0.0, 1e-6, 1e-2}) {
           const Reduction reduction(degree, depth);
+          std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
+          Room scratch;
+          Reduction::Strip of;
+  double longest = 0;
+          double error = reduction.strip_of(form.data(), {m, 1}, largest_of(form), of, strip.data(), scratch);
+          error += reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+          if (noise == 0) {
+            EXPECT_LT(error, 1e-11) << degree;
+          }
+          const auto [low, high] = std::minmax_element(net.begin(), net.end());
+          double beside = 0;
+          for (std::size_t k = 0; k < n; ++k) beside = std::max(beside, reduction.beside(pencil.data() + k * reduction.width()));
           Reduction::Reduced out;
-          const bool done = reduction.run(form.data(), m, 2, tolerance, false, out);
+          const bool done = reduction.run(pencil.data(), tolerance, false, out);
           if (!done) {
             EXPECT_LT(depth, degree);
-            ASSERT_TRUE(reduction.run(form.data(), m, 2, tolerance, true, out));
+            ASSERT_TRUE(reduction.run(pencil.data(), tolerance, true, out));
             EXPECT_GT(out.error, tolerance);
-          }
-          if (tolerance == 0) {
-            EXPECT_EQ(out.down, n);
           }
           EXPECT_LE(out.down, n);
           EXPECT_LE(out.across, n);
+          const std::size_t lines = static_cast<std::size_t>(depth) + 1;
+          std::vector<double> packed(out.down * lines * out.across + kLanes);
+          reduction.pack(out, 1, packed.data());
           for (int trial = 0; trial < 20; ++trial) {
             const double at[] = {0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random)};
-            const double f = value(form, n, n, n, m, bernstein_at, at);
-            const double q = value(out.values, out.down, static_cast<std::size_t>(depth) + 1, out.across, reduction.padded(), chebyshev_at, at);
-            EXPECT_LE(std::fabs(f - q), out.error + 1e-13) << degree << " to " << depth;
+            const double f = value(form.data(), n, n, n, m, bernstein_at, at);
+            const double q = value(packed.data(), out.down, lines, out.across, out.across, chebyshev_at, at);
+            EXPECT_LE(std::fabs(f - q), error + out.error + 1e-13) << degree << " to " << depth;
             EXPECT_LE(std::fabs(q), out.weight * (1 + 1e-13));
+            EXPECT_GE(f, *low - beside - error - 1e-13);
+            EXPECT_LE(f, *high + beside + error + 1e-13);
           }
         }
     }
+}
+
+TEST(Reduction, PacksFloatsAsDoubles) {
+  Random random(6);
+  const std::size_t n = 8;
+  const std::vector<double> form = some_form(n, n, 0, random);
+  const Reduction reduction(7, 7);
+  std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
+  Room scratch;
+  Reduction::Strip of;
+  double longest = 0;
+  reduction.strip_of(form.data(), {n, 1}, largest_of(form), of, strip.data(), scratch);
+  reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+  Reduction::Reduced out;
+  ASSERT_TRUE(reduction.run(pencil.data(), 1e-3, false, out));
+  std::vector<double> wide(out.down * n * out.across + kLanes);
+  std::vector<float> narrow(wide.size());
+  reduction.pack(out, 0.5, wide.data());
+  reduction.pack(out, 0.5, narrow.data());
+  for (std::size_t i = 0; i < out.down * n * out.across; ++i) EXPECT_EQ(narrow[i], static_cast<float>(wide[i]));
 }
 
 TEST(Reduction, DropsWhatASmoothFormDoesNotNeed) {
@@ -71,12 +135,24 @@ TEST(Reduction, DropsWhatASmoothFormDoesNotNeed) {
   std::vector<double> form(n * n * m);
   for (std::size_t line = 0; line < n * n; ++line)
     for (std::size_t i = 0; i < m; ++i) form[line * m + i] = static_cast<double>(std::min<std::size_t>(i, n - 1)) / 9;
+  const Reduction reduction(9, 3);
+  std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
+  Room scratch;
+  Reduction::Strip of;
+  double longest = 0;
+  reduction.strip_of(form.data(), {m, 1}, 1, of, strip.data(), scratch);
+  reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
   Reduction::Reduced out;
-  ASSERT_TRUE(Reduction(9, 3).run(form.data(), m, 1, 1e-12, false, out));
+  ASSERT_TRUE(reduction.run(pencil.data(), 1e-12, false, out));
   EXPECT_EQ(out.down, 1u);
   EXPECT_EQ(out.across, 2u);
   EXPECT_NEAR(out.values[0], 0.5, 1e-14);
   EXPECT_NEAR(out.values[1], 0.5, 1e-14);
+  // The net of what is straight is no wider.
+  const auto [low, high] = std::minmax_element(net.begin(), net.end());
+  EXPECT_NEAR(*low, 0, 1e-13);
+  EXPECT_NEAR(*high, 1, 1e-13);
+  EXPECT_LT(reduction.beside(pencil.data()), 1e-12);
 }
 
 TEST(Basis, SlopesAreThoseOfValues) {
