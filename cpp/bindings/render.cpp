@@ -177,8 +177,8 @@ py::dict answer_dict(const render::Answer& a) {
   d["builds"] = a.builds;
   d["escalated"] = a.escalated;
   d["by_reference"] = a.by_reference;
-  d["counts"] = a.counts;
-  d["wide"] = a.wide_hits;
+  d["counts"] = a.tally->counts;
+  d["wide"] = a.tally->wide_hits;
   d["seconds"] = py::dict(py::arg("build") = a.build_seconds, py::arg("launch") = a.launch_seconds, py::arg("kernel") = a.kernel_seconds);
   if (a.prepare_seconds > 0) d["seconds"]["prepare"] = a.prepare_seconds;  // coefficients, on the host
   d["finished"] = a.outcome == device::Outcome::done;

@@ -10,6 +10,7 @@
 
 #include "error.h"
 #include "kernel/library.h"
+#include "numerics/recent.h"
 #include "program/text.h"
 #include "caps.h"
 
@@ -284,9 +285,7 @@ std::string cells(const Spec& spec) {
   return text + included("frustum_cells.cl");
 }
 
-}  // namespace
-
-std::string assemble_frustum(const Spec& spec) {
+std::string frustum_source(const Spec& spec) {
   const bool gradient = spec.normal || spec.rgb, rays = spec.entry == Entry::RayList;
   const std::string file = spec.finder + ".cl";
   std::string text = prelude(spec) +
@@ -307,6 +306,13 @@ std::string assemble_frustum(const Spec& spec) {
   text = joined(text, {"packet.cl", "scene.cl", rays ? "ray_list.cl" : "ray_camera.cl", "clip.cl", "frustum_form.cl"}) + cells(spec);
   if (spec.finder != "frustum_newton") text = joined(text, {spec.finder.starts_with("frustum_mr") ? "frustum_knots.cl" : "frustum_pieces.cl"});
   return with_shading(joined(text, {file.c_str()}), spec);
+}
+
+}  // namespace
+
+std::string assemble_frustum(const Spec& spec) {
+  static auto* const recent = new numerics::Recent<Spec, std::string>;  // each frame asks for two or three
+  return *recent->get(spec, [&] { return std::make_shared<const std::string>(frustum_source(spec)); });
 }
 
 }  // namespace irt::kernel

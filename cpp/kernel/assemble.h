@@ -56,6 +56,8 @@ struct Spec {
   int degree = 0, tile = 0;
   int fine_terms = 0;     // where roots are refined in double: coefficients along each axis of the cells for that (kernels/frustum_fine.cl); needs split
   bool previous = false;  // with the depths of the frame before
+
+  friend bool operator==(const Spec&, const Spec&) = default;
 };
 
 // Where the files of kernels/ lie. Set once, before the first kernel.

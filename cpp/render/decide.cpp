@@ -151,7 +151,7 @@ std::vector<std::size_t> decide(Answer& answer, const std::vector<std::size_t>& 
   }
   part.outcome = answer.outcome;
   if (options.control.cancelled && options.control.cancelled()) part.outcome = device::Outcome::cancelled;
-  scatter(answer, part, decided);
+  scatter(answer, part, decided, options);
   answer.kernel_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return open;
 }
@@ -194,10 +194,10 @@ void decide_open(Answer& answer, const program::Program& program, const Second& 
   const bool worth = open.size() > kVeryFewRays, ready = few && answer.builds == 0 && (worth || program.inputs() > 0) && second.prepare() && worth;
   if (few && !ready && !open.empty()) open = second.refer(open);
   if (open.empty() || answer.outcome != device::Outcome::done) return;
-  scatter(answer, second.pass(open), open);
+  scatter(answer, second.pass(open), open, options);
   if (!ready || answer.outcome != device::Outcome::done) return;
   // Statuses do not depend on which of the two came first.
-  open = undecided(answer, options);
+  open = undecided(answer, open, options);
   if (open.empty()) return;
   const std::size_t counted = answer.escalated;
   second.refer(open);

@@ -411,7 +411,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     const unsigned char* status = answer.status->as<unsigned char>();
     if (2 * std::count_if(open.begin(), open.end(), [&](std::size_t i) { return status[i] == 1; }) > static_cast<std::ptrdiff_t>(open.size()))
       march.precision = PrecisionMode::Double;
-    scatter(answer, camera_passes(program, unclipped, view, bounds, march, device, &open, answer.pitch), open);
+    scatter(answer, camera_passes(program, unclipped, view, bounds, march, device, &open, answer.pitch), open, options);
     return true;
   };
   if (marches(kDoubleShare, kDoubleLeast)) return answer;
@@ -427,10 +427,10 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     for (const std::size_t i : open)
       there.push_back(static_cast<std::size_t>(std::lower_bound(packets.begin(), packets.end(), i) - packets.begin()));
     const double spent = second.prepare_seconds;
-    scatter(answer, picked(second, there, options), open);
+    scatter(answer, picked(second, there, options), open, options);
     answer.prepare_seconds += spent;
     if (answer.outcome != device::Outcome::done) return answer;
-    open = undecided(answer, options);
+    open = undecided(answer, open, options);
     answer.escalated -= open.size();  // they are counted once
   }
   if (open.empty() || marches(kReferenceShare, kReferenceLeast) || !options.refers()) return answer;

@@ -62,7 +62,7 @@ void apply_clip(Answer& answer, const program::Program& program, const Formulas&
   march.affine = true;
   const std::size_t escalated = answer.escalated;
   const Answer part = camera_passes(program, formulas, view, bounds, march, device, &again, answer.pitch);
-  scatter(answer, part, again);
+  scatter(answer, part, again, options);
   answer.escalated = escalated + part.escalated;
 }
 

@@ -5,17 +5,21 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <new>
 
 #include "caps.h"
 #include "error.h"
+#include "numerics/crew.h"
 #include "numerics/widest.h"
 
 namespace irt::render {
@@ -329,6 +333,7 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   answer.outcome = device.run(*kernel, args, across, down, options.control, &timing);
   answer.launch_seconds += timing.launch;
   answer.kernel_seconds += timing.kernel;
+  answer.tally.reset();
   device.read(outputs);
 }
 
@@ -354,14 +359,34 @@ template <class Real>
 IRT_WIDEST Counted counted(const unsigned char* status, const float* half, std::size_t n, float most) { return count(status, half, n, most); }
 IRT_WIDEST Counted counted(const unsigned char* status, const double* half, std::size_t n, double most) { return count(status, half, n, most); }
 
-// look(row, what is counted there, statuses, halves of brackets, the half asked for) for each row. With fast rounding no bracket has a width.
-void each_row(const Answer& answer, const Options& options, const auto& look) {
+// work(first, last) for parts of n items, by several threads where there are many.
+void in_parts(std::size_t n, std::size_t bytes, const auto& work) {
+  constexpr std::size_t kWorthIt = 1u << 18;
+  if (bytes < kWorthIt) return work(0, n);
+  const std::size_t parts = 2 * numerics::crew_size(), each = (n + parts - 1) / parts;
+  std::atomic<std::size_t> next{0};
+  numerics::by_crew([&](std::size_t) {
+    for (std::size_t k; (k = next++) < parts;) work(std::min(k * each, n), std::min((k + 1) * each, n));
+  });
+}
+
+// Counts what some rows hold; `open` gets what undecided() tells. With fast rounding no bracket has a width.
+Answer::Tally look(const Answer& answer, std::size_t first, std::size_t last, const Options& options, std::vector<std::size_t>* open) {
+  Answer::Tally tally;
   const auto rows = [&](const auto* half, auto most) {
-    for (std::size_t row = 0; row < answer.rows; ++row, half += answer.pitch) {
+    for (std::size_t row = first; row < last; ++row) {
       const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
-      Counted c = counted(status, half, answer.columns, most);
+      const auto* halves = half + row * answer.pitch;
+      Counted c = counted(status, halves, answer.columns, most);
       if (!options.outward) c.narrow = c.hits;
-      look(row, c, status, half, most);
+      tally.counts[0] += answer.columns - c.hits - c.touches - c.open;
+      tally.counts[1] += c.hits;
+      tally.counts[2] += c.touches;
+      tally.counts[3] += c.open;
+      tally.wide_hits += c.hits - c.narrow;
+      if (!open || c.touches + c.open + c.hits - c.narrow == 0) continue;  // as in most rows
+      for (std::size_t i = 0; i < answer.columns; ++i)
+        if (status[i] >= 2 || (status[i] == 1 && options.outward && !(halves[i] <= most))) open->push_back(row * answer.pitch + i);
     }
   };
   if (answer.wide) {
@@ -369,31 +394,50 @@ void each_row(const Answer& answer, const Options& options, const auto& look) {
   } else {
     rows(answer.uncertainty->as<float>(), float_below(0.5 * options.eps));
   }
+  return tally;
+}
+
+void look(Answer& answer, const Options& options, std::vector<std::size_t>* open) {
+  std::mutex mutex;
+  Answer::Tally all;
+  std::map<std::size_t, std::vector<std::size_t>> found;  // by the first row of a part
+  in_parts(answer.rows, answer.uncertainty->bytes(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::size_t> here;
+    const Answer::Tally part = look(answer, first, last, options, open ? &here : nullptr);
+    const std::scoped_lock lock(mutex);
+    for (std::size_t k = 0; k < all.counts.size(); ++k) all.counts[k] += part.counts[k];
+    all.wide_hits += part.wide_hits;
+    if (!here.empty()) found[first] = std::move(here);
+  });
+  answer.tally = all;
+  if (open)
+    for (const auto& [row, here] : found) open->insert(open->end(), here.begin(), here.end());
+}
+
+bool is_wide(const Answer& answer, std::size_t i, const Options& options) {
+  if (answer.status->as<unsigned char>()[i] != 1 || !options.outward) return false;
+  return !((answer.wide ? answer.uncertainty->as<double>()[i] : static_cast<double>(answer.uncertainty->as<float>()[i])) <= 0.5 * options.eps);
 }
 
 }  // namespace
 
 void tally(Answer& answer, const Options& options) {
-  each_row(answer, options, [&](std::size_t, const Counted& c, auto...) {
-    answer.counts[0] += answer.columns - c.hits - c.touches - c.open;
-    answer.counts[1] += c.hits;
-    answer.counts[2] += c.touches;
-    answer.counts[3] += c.open;
-    answer.wide_hits += c.hits - c.narrow;
-  });
+  if (!answer.tally) look(answer, options, nullptr);
 }
 
-std::vector<std::size_t> undecided(const Answer& answer, const Options& options) {
+std::vector<std::size_t> undecided(Answer& answer, const Options& options) {
   std::vector<std::size_t> open;
-  each_row(answer, options, [&](std::size_t row, const Counted& c, const unsigned char* status, const auto* half, auto most) {
-    if (c.touches + c.open + c.hits - c.narrow == 0) return;  // as in most rows
-    for (std::size_t i = 0; i < answer.columns; ++i)
-      if (status[i] >= 2 || (status[i] == 1 && options.outward && !(half[i] <= most))) open.push_back(row * answer.pitch + i);
-  });
+  look(answer, options, &open);
   return open;
 }
 
-void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where) {
+std::vector<std::size_t> undecided(const Answer& answer, const std::vector<std::size_t>& some, const Options& options) {
+  std::vector<std::size_t> open;
+  std::copy_if(some.begin(), some.end(), std::back_inserter(open), [&](std::size_t i) { return answer.status->as<unsigned char>()[i] >= 2 || is_wide(answer, i, options); });
+  return open;
+}
+
+void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where, const Options& options) {
   const std::size_t n = answer.pitch * answer.rows;
   const auto copy = [&](const Memory& to, std::size_t i, const Memory& from, std::size_t k) {
     const double v = part.wide ? from.as<double>()[k] : static_cast<double>(from.as<float>()[k]);
@@ -406,17 +450,24 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
   if (part.wide && !answer.wide) {
     for (std::optional<Memory>* m : {&answer.depth, &answer.uncertainty}) {
       Memory wider(n * sizeof(double));
-      std::copy_n((*m)->as<float>(), n, wider.as<double>());
+      in_parts(n, wider.bytes(), [&](std::size_t first, std::size_t last) { std::copy_n((*m)->as<float>() + first, last - first, wider.as<double>() + first); });
       *m = wider;
     }
     answer.wide = true;
   }
   const std::size_t part_plane = part.pitch * part.rows;
+  const auto count = [&](std::size_t i, std::size_t by) {
+    if (!answer.tally) return;
+    answer.tally->counts[answer.status->as<unsigned char>()[i]] += by;
+    if (is_wide(answer, i, options)) answer.tally->wide_hits += by;
+  };
   for (std::size_t k = 0; k < where.size(); ++k) {
     const std::size_t i = where[k];
+    count(i, -std::size_t{1});
     copy(*answer.depth, i, *part.depth, k);
     copy(*answer.uncertainty, i, *part.uncertainty, k);
     answer.status->as<unsigned char>()[i] = part.status->as<unsigned char>()[k];
+    count(i, 1);
     if (answer.normal)
       for (std::size_t axis = 0; axis < 3; ++axis)
         answer.normal->as<float>()[axis * n + i] = part.normal->as<float>()[axis * part_plane + k];

@@ -55,10 +55,15 @@ def request_parameters(
 
 def parameter_names(expr: Expr, bounds: Bounds | None) -> list[str]:
     """Symbols of the formula and of the bounds' clips, other than x, y, z; sorted."""
-    symbols = set(expr.free_symbols)
+    names = _symbols(expr)
     for c in bounds.clips if bounds else ():
-        symbols |= c.g.free_symbols
-    return sorted({s.name for s in symbols} - {"x", "y", "z"})
+        names |= _symbols(c.g)
+    return sorted(names - {"x", "y", "z"})
+
+
+@lru_cache(maxsize=256)
+def _symbols(expr: Expr) -> frozenset[str]:
+    return frozenset(s.name for s in expr.free_symbols)
 
 
 def color_of(value: Any, what: str) -> tuple[float, float, float]:
