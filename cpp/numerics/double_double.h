@@ -32,6 +32,12 @@ inline DoubleDouble operator+(const DoubleDouble& a, const DoubleDouble& b) {
   return quick_sum(v.hi, v.lo + t.lo);
 }
 
+// The same in fewer steps: the error of a sum of opposite signs is bounded in parts of |a| + |b|, not of the result.
+inline DoubleDouble near_sum(const DoubleDouble& a, const DoubleDouble& b) {
+  const DoubleDouble s = exact_sum(a.hi, b.hi);
+  return quick_sum(s.hi, s.lo + (a.lo + b.lo));
+}
+
 inline DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
   const double p = a.hi * b.hi;
   return quick_sum(p, __builtin_fma(a.hi, b.hi, -p) + (a.hi * b.lo + a.lo * b.hi));

@@ -46,7 +46,7 @@ struct Tensor {
   const double *const with_hi = with.hi.data() + from, *const with_lo = with.lo.data() + from, *const with_size = with.size.data() + from;
 #pragma GCC ivdep
   for (std::size_t m = 0; m < n; ++m) {
-    const DoubleDouble w{with_hi[m], with_lo[m]}, sum = DoubleDouble{hi[m], lo[m]} + (times ? v * w : w);
+    const DoubleDouble w{with_hi[m], with_lo[m]}, sum = near_sum({hi[m], lo[m]}, times ? v * w : w);
     hi[m] = sum.hi;
     lo[m] = sum.lo;
     size[m] += times ? s * with_size[m] : with_size[m];
@@ -66,20 +66,37 @@ Values spread(const Values& v, std::size_t side, std::size_t larger) {
   return out;
 }
 
+// Whether a coordinate is the same at both ends along an axis: 1 innermost, 2 or 4.
+bool same_along(const Values& v, std::size_t axis) {
+  for (std::size_t i = 0; i < 8; ++i)
+    if (!(i & axis) && (v.hi[i] != v.hi[i + axis] || v.lo[i] != v.lo[i + axis])) return false;
+  return true;
+}
+
 // Factors as small as coordinates meet a tensor of the product's own side, which is then added as one run.
 constexpr std::size_t kSmallSide = 3;
 
 IRT_WIDEST void add_products(const Tensor& a, const Tensor& b, Tensor& r) {
-  const std::size_t n = r.side(), na = a.side(), nb = b.side(), run = ((nb - 1) * n + nb - 1) * n + nb;
+  const std::size_t n = r.side(), na = a.side(), nb = b.side();
   const bool whole = na <= kSmallSide;
-  const Values wide = whole ? spread(b.values, nb, n) : Values(0);
+  std::size_t run = ((nb - 1) * n + nb - 1) * n + nb, same = 0;
+  Values wide = whole ? spread(b.values, nb, n) : Values(0);
+  if (na == 2)
+    // Along an axis that a coordinate does not depend on it is u + (1 - u) times what it is: half the products, and a sum.
+    for (const auto& [step, axis] : {std::pair<std::size_t, std::size_t>{1, 1}, {n, 2}, {n * n, 4}})
+      if (same_along(a.values, axis)) {
+        const Values before = wide;
+        add_run(wide, step, before, 0, run, {}, 0, false);
+        run += step;
+        same |= axis;
+      }
   for (std::size_t i = 0; i < na; ++i)
     for (std::size_t j = 0; j < na; ++j)
       for (std::size_t k = 0; k < na; ++k) {
         const std::size_t at = (i * na + j) * na + k;
         const DoubleDouble v = a.values.at(at);
         const double s = a.values.size[at];
-        if (s == 0) continue;
+        if (s == 0 || (at & same)) continue;
         if (whole) {
           add_run(r.values, (i * n + j) * n + k, wide, 0, run, v, s, true);
           continue;

@@ -5,7 +5,6 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -13,13 +12,11 @@
 #include <deque>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <mutex>
 #include <new>
 
 #include "caps.h"
 #include "error.h"
-#include "numerics/crew.h"
 #include "numerics/widest.h"
 
 namespace irt::render {
@@ -359,25 +356,13 @@ template <class Real>
 IRT_WIDEST Counted counted(const unsigned char* status, const float* half, std::size_t n, float most) { return count(status, half, n, most); }
 IRT_WIDEST Counted counted(const unsigned char* status, const double* half, std::size_t n, double most) { return count(status, half, n, most); }
 
-// work(first, last) for parts of n items, by several threads where there are many.
-void in_parts(std::size_t n, std::size_t bytes, const auto& work) {
-  constexpr std::size_t kWorthIt = 1u << 18;
-  if (bytes < kWorthIt) return work(0, n);
-  const std::size_t parts = 2 * numerics::crew_size(), each = (n + parts - 1) / parts;
-  std::atomic<std::size_t> next{0};
-  numerics::by_crew([&](std::size_t) {
-    for (std::size_t k; (k = next++) < parts;) work(std::min(k * each, n), std::min((k + 1) * each, n));
-  });
-}
-
-// Counts what some rows hold; `open` gets what undecided() tells. With fast rounding no bracket has a width.
-Answer::Tally look(const Answer& answer, std::size_t first, std::size_t last, const Options& options, std::vector<std::size_t>* open) {
-  Answer::Tally tally;
+// Counts what there is, row by row; `open` gets what undecided() tells. With fast rounding no bracket has a width.
+void look(Answer& answer, const Options& options, std::vector<std::size_t>* open) {
+  Answer::Tally& tally = answer.tally.emplace();
   const auto rows = [&](const auto* half, auto most) {
-    for (std::size_t row = first; row < last; ++row) {
+    for (std::size_t row = 0; row < answer.rows; ++row, half += answer.pitch) {
       const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
-      const auto* halves = half + row * answer.pitch;
-      Counted c = counted(status, halves, answer.columns, most);
+      Counted c = counted(status, half, answer.columns, most);
       if (!options.outward) c.narrow = c.hits;
       tally.counts[0] += answer.columns - c.hits - c.touches - c.open;
       tally.counts[1] += c.hits;
@@ -386,7 +371,7 @@ Answer::Tally look(const Answer& answer, std::size_t first, std::size_t last, co
       tally.wide_hits += c.hits - c.narrow;
       if (!open || c.touches + c.open + c.hits - c.narrow == 0) continue;  // as in most rows
       for (std::size_t i = 0; i < answer.columns; ++i)
-        if (status[i] >= 2 || (status[i] == 1 && options.outward && !(halves[i] <= most))) open->push_back(row * answer.pitch + i);
+        if (status[i] >= 2 || (status[i] == 1 && options.outward && !(half[i] <= most))) open->push_back(row * answer.pitch + i);
     }
   };
   if (answer.wide) {
@@ -394,24 +379,6 @@ Answer::Tally look(const Answer& answer, std::size_t first, std::size_t last, co
   } else {
     rows(answer.uncertainty->as<float>(), float_below(0.5 * options.eps));
   }
-  return tally;
-}
-
-void look(Answer& answer, const Options& options, std::vector<std::size_t>* open) {
-  std::mutex mutex;
-  Answer::Tally all;
-  std::map<std::size_t, std::vector<std::size_t>> found;  // by the first row of a part
-  in_parts(answer.rows, answer.uncertainty->bytes(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::size_t> here;
-    const Answer::Tally part = look(answer, first, last, options, open ? &here : nullptr);
-    const std::scoped_lock lock(mutex);
-    for (std::size_t k = 0; k < all.counts.size(); ++k) all.counts[k] += part.counts[k];
-    all.wide_hits += part.wide_hits;
-    if (!here.empty()) found[first] = std::move(here);
-  });
-  answer.tally = all;
-  if (open)
-    for (const auto& [row, here] : found) open->insert(open->end(), here.begin(), here.end());
 }
 
 bool is_wide(const Answer& answer, std::size_t i, const Options& options) {
@@ -450,7 +417,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
   if (part.wide && !answer.wide) {
     for (std::optional<Memory>* m : {&answer.depth, &answer.uncertainty}) {
       Memory wider(n * sizeof(double));
-      in_parts(n, wider.bytes(), [&](std::size_t first, std::size_t last) { std::copy_n((*m)->as<float>() + first, last - first, wider.as<double>() + first); });
+      std::copy_n((*m)->as<float>(), n, wider.as<double>());
       *m = wider;
     }
     answer.wide = true;
