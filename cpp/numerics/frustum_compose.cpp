@@ -17,17 +17,27 @@ DoubleDouble rounded(Quad v) {
   return {hi, std::isfinite(hi) ? static_cast<double>(v - static_cast<Quad>(hi)) : 0};
 }
 
-// Sums hi + lo and the sums of the sizes of all that went into each.
-struct Values {
-  std::vector<double> hi, lo, size;
-
-  explicit Values(std::size_t n) : hi(n), lo(n), size(n) {}
-  DoubleDouble at(std::size_t i) const { return {hi[i], lo[i]}; }
+// n sums hi + lo and the sums of the sizes of all that went into each.
+class Values {
+ public:
+  explicit Values(std::size_t n = 0) : n_(n), all_(3 * n) {}
+  std::size_t count() const { return n_; }
+  double* hi() { return all_.data(); }
+  double* lo() { return all_.data() + n_; }
+  double* size() { return all_.data() + 2 * n_; }
+  const double* hi() const { return all_.data(); }
+  const double* lo() const { return all_.data() + n_; }
+  const double* size() const { return all_.data() + 2 * n_; }
+  DoubleDouble at(std::size_t i) const { return {hi()[i], lo()[i]}; }
   void set(std::size_t i, const DoubleDouble& v) {
-    hi[i] = v.hi;
-    lo[i] = v.lo;
-    size[i] = std::fabs(v.hi);
+    hi()[i] = v.hi;
+    lo()[i] = v.lo;
+    size()[i] = std::fabs(v.hi);
   }
+
+ private:
+  std::size_t n_;
+  std::vector<double> all_;  // in one block: small tensors are many
 };
 
 // A tensor in the scaled Bernstein basis u^i (1 - u)^(n - i), of degree n along each axis; `depth` bounds how many roundings each of its values has seen.
@@ -42,8 +52,8 @@ struct Tensor {
 
 // to[at + m] += with[from + m] for n values, times (v, s) where `times` is given.
 [[gnu::always_inline]] inline void add_run(Values& to, std::size_t at, const Values& with, std::size_t from, std::size_t n, DoubleDouble v, double s, bool times) {
-  double *const hi = to.hi.data() + at, *const lo = to.lo.data() + at, *const size = to.size.data() + at;
-  const double *const with_hi = with.hi.data() + from, *const with_lo = with.lo.data() + from, *const with_size = with.size.data() + from;
+  double *const hi = to.hi() + at, *const lo = to.lo() + at, *const size = to.size() + at;
+  const double *const with_hi = with.hi() + from, *const with_lo = with.lo() + from, *const with_size = with.size() + from;
 #pragma GCC ivdep
   for (std::size_t m = 0; m < n; ++m) {
     const DoubleDouble w{with_hi[m], with_lo[m]}, sum = near_sum({hi[m], lo[m]}, times ? v * w : w);
@@ -58,10 +68,10 @@ Values spread(const Values& v, std::size_t side, std::size_t larger) {
   Values out(larger * larger * larger);
   for (std::size_t i = 0; i < side; ++i)
     for (std::size_t j = 0; j < side; ++j) {
-      const auto from = static_cast<std::ptrdiff_t>((i * side + j) * side), to = static_cast<std::ptrdiff_t>((i * larger + j) * larger), n = static_cast<std::ptrdiff_t>(side);
-      std::copy_n(v.hi.begin() + from, n, out.hi.begin() + to);
-      std::copy_n(v.lo.begin() + from, n, out.lo.begin() + to);
-      std::copy_n(v.size.begin() + from, n, out.size.begin() + to);
+      const std::size_t from = (i * side + j) * side, to = (i * larger + j) * larger;
+      std::copy_n(v.hi() + from, side, out.hi() + to);
+      std::copy_n(v.lo() + from, side, out.lo() + to);
+      std::copy_n(v.size() + from, side, out.size() + to);
     }
   return out;
 }
@@ -69,7 +79,7 @@ Values spread(const Values& v, std::size_t side, std::size_t larger) {
 // Whether a coordinate is the same at both ends along an axis: 1 innermost, 2 or 4.
 bool same_along(const Values& v, std::size_t axis) {
   for (std::size_t i = 0; i < 8; ++i)
-    if (!(i & axis) && (v.hi[i] != v.hi[i + axis] || v.lo[i] != v.lo[i + axis])) return false;
+    if (!(i & axis) && (v.hi()[i] != v.hi()[i + axis] || v.lo()[i] != v.lo()[i + axis])) return false;
   return true;
 }
 
@@ -95,7 +105,7 @@ IRT_WIDEST void add_products(const Tensor& a, const Tensor& b, Tensor& r) {
       for (std::size_t k = 0; k < na; ++k) {
         const std::size_t at = (i * na + j) * na + k;
         const DoubleDouble v = a.values.at(at);
-        const double s = a.values.size[at];
+        const double s = a.values.size()[at];
         if (s == 0 || (at & same)) continue;
         if (whole) {
           add_run(r.values, (i * n + j) * n + k, wide, 0, run, v, s, true);
@@ -151,7 +161,7 @@ IRT_WIDEST void add_constant(Values& v, std::size_t n, const DoubleDouble& c, do
   for (std::size_t line = 0; line < n * n; ++line) {
     const DoubleDouble scaled = c * (DoubleDouble(binomial[line / n]) * DoubleDouble(binomial[line % n]));
     const double line_size = c_size * binomial[line / n] * binomial[line % n];
-    double *const hi = v.hi.data() + line * n, *const lo = v.lo.data() + line * n, *const size = v.size.data() + line * n;
+    double *const hi = v.hi() + line * n, *const lo = v.lo() + line * n, *const size = v.size() + line * n;
 #pragma GCC ivdep
     for (std::size_t k = 0; k < n; ++k) {
       const DoubleDouble term = scaled * DoubleDouble(binomial[k]), sum = DoubleDouble{hi[k], lo[k]} + term;
@@ -165,12 +175,12 @@ IRT_WIDEST void add_constant(Values& v, std::size_t n, const DoubleDouble& c, do
 Tensor sum(Tensor a, Tensor b) {
   if (a.degree < b.degree) std::swap(a, b);
   if (b.degree == 0) {
-    add_constant(a.values, a.side(), b.values.at(0), b.values.size[0]);
+    add_constant(a.values, a.side(), b.values.at(0), b.values.size()[0]);
     a.depth = std::max(a.depth, b.depth + 3) + 1;
     return a;
   }
   if (b.degree < a.degree) b = raised(b, a.degree - b.degree);
-  add_run(a.values, 0, b.values, 0, a.values.hi.size(), {}, 0, false);
+  add_run(a.values, 0, b.values, 0, a.values.count(), {}, 0, false);
   a.depth = std::max(a.depth, b.depth) + 1;
   return a;
 }
@@ -197,10 +207,15 @@ Tensor coordinate(const Frustum& f, int axis) {
 Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
   const Formula& formula = plan.formula();
   const std::size_t count = formula.f() + 1;
+  // Whether a step is an argument once in all: then it makes room.
+  std::vector<int> uses(count, 0);
+  for (std::size_t i = 0; i < count; ++i)
+    for (const std::uint32_t arg : formula.steps()[i].args) ++uses[arg];
   std::vector<Tensor> values(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Formula::Step& step = formula.steps()[i];
     Tensor& r = values[i];
+    const auto take = [&](std::uint32_t arg) { return uses[arg] == 1 && formula.steps()[arg].axis < 0 ? std::move(values[arg]) : values[arg]; };
     if (step.constant) {
       r.values.set(0, rounded(plan.constant(i).as<Quad>()));
       r.depth = 1;
@@ -210,8 +225,8 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
       r = values[step.args[0]];
       for (long k = 1; k < step.exponent; ++k) r = product(r, values[step.args[0]]);
     } else if (step.e.op() == Op::Add) {
-      r = values[step.args[0]];
-      for (std::size_t k = 1; k < step.args.size(); ++k) r = sum(std::move(r), values[step.args[k]]);
+      r = take(step.args[0]);
+      for (std::size_t k = 1; k < step.args.size(); ++k) r = sum(std::move(r), take(step.args[k]));
     } else {
       // Powers of coordinates last, one coordinate at a time: 8 terms n times instead of (n + 1)^3 once.
       const auto is_power_of_coordinate = [&](std::uint32_t arg) {
@@ -243,7 +258,7 @@ Whole compose(const PolynomialPlan& plan, const Frustum& frustum) {
       const DoubleDouble rest = v + DoubleDouble(-q) * s, quotient = quick_sum(q, rest.hi / s.hi);
       whole.hi[at] = quotient.hi;
       whole.lo[at] = quotient.lo;
-      whole.error = std::max(whole.error, f.values.size[at] / s.hi);
+      whole.error = std::max(whole.error, f.values.size()[at] / s.hi);
       whole.largest = std::max(whole.largest, std::fabs(quotient.hi));
     }
   }
