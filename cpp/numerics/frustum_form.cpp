@@ -324,12 +324,14 @@ class Cutter {
   }
 
   // A slab of a pencil, and its net.
-  bool slab(const Block& block, double* pencil, double* net, const Extent& extent, double error, std::size_t level) {
+  bool slab(const Block& block, double* pencil, double* net, const Extent& extent, double error, std::size_t level, int placed = 0) {
     if (hidden(block)) return true;
     const std::size_t width = reduction_->width(), net_width = reduction_->net_width();
     double beside = 0;
     for (std::size_t k = 0; k < n_; ++k) beside = std::max(beside, reduction_->beside(pencil + k * width));
-    if (extent.lowest - beside > error || extent.highest + beside < -error || place(block) > 0) return true;
+    if (extent.lowest - beside > error || extent.highest + beside < -error) return true;
+    if (placed == 0) placed = place(block);  // what lies inside has parts inside
+    if (placed > 0) return true;
     const double largest = size_of(extent) + beside;
     const Runs runs{n_, net_width, net_width, 1, 0};
     const bool shortest = block.last - block.first == 1;
@@ -339,7 +341,8 @@ class Cutter {
       const Extent first = extent_of(net, net_width), last = extent_of(net + (n_ - 1) * net_width, net_width);
       const double known = error + beside;
       if (!suffices(error / largest, blur(block, error, slowest_change(net, runs)))) return false;
-      return emit(block, pencil, error, largest, (first.lowest > known && last.highest < -known) || (first.highest < -known && last.lowest > known));
+      const bool enters = (first.lowest > known && last.highest < -known) || (first.highest < -known && last.lowest > known);
+      return emit(block, pencil, error, largest, enters && placed < 0);
     }
     double *const second = pencils_[level].of(n_ * (width + net_width)), *const second_net = second + n_ * width;
     halve_unseen(pencil, second, {n_, width, width, 1, 0});
@@ -347,7 +350,7 @@ class Cutter {
     Block a = block, b = block;
     a.last = b.first = (block.first + block.last) / 2;
     const double child = error + grow_ * 0x1p-53 * longest_;
-    return slab(a, pencil, net, halves.first, child, level + 1) && slab(b, second, second_net, halves.second, child, level + 1);
+    return slab(a, pencil, net, halves.first, child, level + 1, placed) && slab(b, second, second_net, halves.second, child, level + 1, placed);
   }
 
   double at(int part) const {
@@ -439,11 +442,6 @@ class Cutter {
     return false;
   }
 
-  // What is behind such a cell nobody sees.
-  void fill(const Block& b) {
-    if (place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
-  }
-
   template <typename Real>
   static Real* coefficients(Row& row, std::size_t count, std::int32_t& begin) {
     constexpr std::size_t step = kCellStep * sizeof(Real);
@@ -451,9 +449,10 @@ class Cutter {
     return reinterpret_cast<Real*>(row.add(whole_steps(count) * step));
   }
 
+  // full: every ray has a root in it, and what is behind nobody sees.
   bool emit(const Block& b, const double* pencil, double error, double largest, bool full) {
     const double scale = scale_of(largest), kept = error * scale + 0x1p-52;
-    if (full) fill(b);
+    if (full) full_[b.y0 - frustum_.tile_y0] = true;
     const auto down = static_cast<std::int32_t>(reduced_.down), across = static_cast<std::int32_t>(reduced_.across);
     Cells::Cell cell{at(b.first), at(b.last), bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, demand_.unit, scale * reduced_.weight), down, across, 0};
     reduction_->pack(reduced_, scale, coefficients<float>(found_.coefficients, reduced_.down * (static_cast<std::size_t>(demand_.depth) + 1) * reduced_.across, cell.begin));
@@ -478,7 +477,7 @@ class Cutter {
         above = above && first > error && last < -error;
         below = below && first < -error && last > error;
       }
-    if (above || below) fill(b);
+    if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
     const auto n = static_cast<std::int32_t>(n_);
     Cells::Cell cell{at(b.first), at(b.last), bound(kept, 2 * n_, demand_.unit, scale * largest), n, n, 0};
     if (demand_.single()) {
