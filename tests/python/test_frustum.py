@@ -39,6 +39,44 @@ def test_frames(name: str) -> None:
         assert frame.stats.wide == 0
 
 
+AHEAD = irt.Camera((0, 0, 5), target=(0, 0, 0), up=(0, 1, 0), projection="orthographic", height=2)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("degree", [8, 11])
+def test_what_turns_within_a_tile_is_seen(axis: str, degree: int) -> None:
+    """Cells are bounded by their first few polynomials across and down, and by the sizes of the others: here all but one is nought."""
+    a, b = "1", axis  # Chebyshev polynomials, of the one tile that there is
+    for _ in range(degree - 1):
+        a, b = b, f"(2*{axis}*{b} - {a})"
+    f = f"z^3 - 0.3*z + 0.4*{b}"
+    call = dict(bounds=1, camera=AHEAD, size=(16, 16))
+    truth = irt.reference(f, **call)
+    frame = irt.render(f, method="frustum-newton", precision="single", eps=1e-4, **call)
+    _judge(frame, frame.depth, truth)
+    assert truth.hit.all() and frame.hit.mean() > 0.9
+
+
+def test_what_lies_behind_a_sheet_outside_the_bounds_is_seen() -> None:
+    """On every ray of a tile there is a root in front of the ball, which hides nothing."""
+    f, ball = "(z - 0.9)*(z - 0.1)*(1 + x^2 + y^2 + z^2)^3", irt.Sphere((0, 0, 0), 0.92)
+    truth = irt.reference(f, bounds=ball, camera=AHEAD, size=(64, 64))
+    frame = irt.render(f, bounds=ball, camera=AHEAD, size=(64, 64), method="frustum-newton", eps=1e-4)
+    _judge(frame, frame.depth, truth)
+    assert (frame.status == truth.kind).all()
+    assert (truth.depth[truth.hit] > 4.5).sum() > 1000 and (truth.depth[truth.hit] < 4.5).sum() > 10
+
+
+@pytest.mark.parametrize("name", ["decocube", "chmutov_18"])
+def test_tiles_that_double_is_not_enough_for(name: str) -> None:
+    """Tiles whose cells are less exact than they may be are cut in sums of two doubles, alone, some only in front or behind."""
+    surface = irt.surfaces[name]
+    truth = irt.reference(surface, size=(80, 80))
+    frame = irt.render(surface, size=(80, 80), method="frustum-newton", precision="single", eps=1e-3)
+    _judge(frame, frame.depth, truth)
+    assert (frame.status != Status.MISS).sum() >= truth.hit.sum()
+
+
 def test_trace() -> None:
     rng = np.random.default_rng(2)
     o = rng.normal(size=(500, 3)) * 4
