@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "caps.h"
@@ -14,6 +16,9 @@
 
 namespace irt::numerics {
 namespace {
+
+// Vectors in a line of a pencil.
+constexpr std::size_t kMostPlaces = (limits::kFrustumDegree + 1) * ((limits::kFrustumDegree + kLanes) / kLanes);
 
 // Coefficients of a net each way.
 constexpr std::size_t kNetSide = 4;
@@ -149,11 +154,11 @@ template <std::size_t kSteps>
   }
 }
 
-// n lines of `width` values, `stride` apart, become `kept` lines; returns the sum of the sizes of all that lies beyond.
+// n lines of vectors, which lie at the places given and `stride` apart from line to line, become `kept` lines; returns the sum of the sizes of all that lies beyond.
 template <std::size_t kN>
-[[gnu::always_inline]] inline double shorten(const double* lines, std::size_t n, std::size_t kept, std::size_t stride, std::size_t width, const Folded& m, double* to) {
+[[gnu::always_inline]] inline double shorten(const double* lines, std::size_t n, std::size_t kept, std::size_t stride, std::span<const std::size_t> places, const Folded& m, double* to) {
   Lanes lost{};
-  for (std::size_t w = 0; w < width; w += kLanes) {
+  for (const std::size_t w : places) {
     const Fold<kN> fold(&numerics::lanes(lines + w), stride / kLanes, n);
     const double *even = m.even, *odd = m.odd;
     for (std::size_t r = 0; r < kept / 2; ++r, even += fold.sums(), odd += fold.differences()) {
@@ -183,13 +188,13 @@ IRT_WIDEST void polynomials_of(const double* lines, std::size_t n, std::size_t w
   }
 }
 
-IRT_WIDEST double shorten(const double* lines, std::size_t n, std::size_t kept, std::size_t stride, std::size_t width, const Folded& m, double* to) {
+IRT_WIDEST double shorten(const double* lines, std::size_t n, std::size_t kept, std::size_t stride, std::span<const std::size_t> places, const Folded& m, double* to) {
   switch (n) {
-    case 10: return shorten<10>(lines, n, kept, stride, width, m, to);
-    case 11: return shorten<11>(lines, n, kept, stride, width, m, to);
-    case 12: return shorten<12>(lines, n, kept, stride, width, m, to);
-    case 13: return shorten<13>(lines, n, kept, stride, width, m, to);
-    default: return shorten<0>(lines, n, kept, stride, width, m, to);
+    case 10: return shorten<10>(lines, n, kept, stride, places, m, to);
+    case 11: return shorten<11>(lines, n, kept, stride, places, m, to);
+    case 12: return shorten<12>(lines, n, kept, stride, places, m, to);
+    case 13: return shorten<13>(lines, n, kept, stride, places, m, to);
+    default: return shorten<0>(lines, n, kept, stride, places, m, to);
   }
 }
 
@@ -255,9 +260,20 @@ Folded folded(const auto& halves, std::size_t sums, std::size_t differences) {
   return sum_of(sums[0] + sums[1]);
 }
 
-IRT_WIDEST double largest_size_of(const double* values, std::size_t n, std::size_t stride, std::size_t width) {
+IRT_WIDEST double largest_size_of(const double* values, std::size_t n, std::size_t width) {
   double most = 0;
-  for (std::size_t k = 0; k < n; ++k) most = std::max(most, size_of(values + k * stride, width));
+  for (std::size_t k = 0; k < n; ++k) most = std::max(most, size_of(values + k * width, width));
+  return most;
+}
+
+// Of vectors at the places given.
+IRT_WIDEST double largest_size_of(const double* values, std::size_t n, std::size_t stride, std::span<const std::size_t> places) {
+  double most = 0;
+  for (std::size_t k = 0; k < n; ++k, values += stride) {
+    Lanes sum{};
+    for (const std::size_t w : places) sum += sizes(lanes(values + w));
+    most = std::max(most, sum_of(sum));
+  }
   return most;
 }
 
@@ -386,7 +402,7 @@ double Reduction::strip_of(const double* form, const Steps& steps, double larges
   const double step = largest_of_any(from, count * planes);
   multiply(from, across_.data(), values, {planes, count, lines_, 1, planes, lines_, lines_});
   for (std::size_t k = 0; k < planes; ++k) values[k * lines_] += 0.5 * (form[k * steps.line] + form[k * steps.line + count * steps.term]);
-  strip.widest = largest_size_of(values, planes, lines_, lines_) * (1 + 1e-12);
+  strip.widest = largest_size_of(values, planes, lines_) * (1 + 1e-12);
   strip.steepest = largest_step_of(values, n_, plane(), lines_) * (1 + 1e-12);
   // A step, each of its terms with its factor, and sums are rounded.
   return 0x1p-53 * (2 * largest + all_ * static_cast<double>(n_ + 2) * step);
@@ -424,16 +440,8 @@ double Reduction::pencil_of(const double* strip, const Strip& of, int cuts, doub
 bool Reduction::run(const double* pencil, double tolerance, bool must, Reduced& out) const {
   double* const sizes = out.scratch.of((depth_ + 1) * width());
   out.error = 0;
-  out.values = pencil;
-  if (depth_ < n_) {
-    double* const shorter = sizes + width();
-    const double lost = shorten(pencil, n_, depth_, width(), width_, folded(along_, (n_ + 1) / 2, n_ / 2), shorter);
-    if (lost > tolerance && !must) return false;
-    out.error = lost + along_rounding_ * largest_size_of(pencil, n_, width(), width_);
-    out.values = shorter;
-  }
   // |T| <= 1, and along the depth f is a mean of lines: what is lost is at most the sum of the largest sizes.
-  largest_of(out.values, depth_, width(), sizes);
+  largest_of(pencil, n_, width(), sizes);
   const auto drop = [&](std::size_t& left, const auto& size) {
     for (double lost = 0; left > 1; --left) {
       const double more = size(left - 1);
@@ -453,7 +461,19 @@ bool Reduction::run(const double* pencil, double tolerance, bool must, Reduced& 
     for (std::size_t j = 0; j < std::min(out.down, n_ - i); ++j) sum += sizes[rows_[j].begin + i];
     return sum;
   });
-  out.weight = largest_size_of(out.values, depth_, width(), width_) * (1 + 1e-12);
+  std::size_t places[kMostPlaces], count = 0;  // of vectors with what is left
+  for (std::size_t j = 0; j < out.down; ++j)
+    for (std::size_t i = 0; i < std::min(rows_[j].padded, out.across); i += kLanes) places[count++] = rows_[j].begin + i;
+  const std::span<const std::size_t> kept(places, count);
+  out.values = pencil;
+  if (depth_ < n_) {
+    double* const shorter = sizes + width();
+    const double lost = shorten(pencil, n_, depth_, width(), kept, folded(along_, (n_ + 1) / 2, n_ / 2), shorter);
+    if (lost > tolerance && !must) return false;
+    out.error += lost + along_rounding_ * std::accumulate(sizes, sizes + width_, 0.0);
+    out.values = shorter;
+  }
+  out.weight = largest_size_of(out.values, depth_, width(), kept) * (1 + 1e-12);
   return true;
 }
 
