@@ -109,6 +109,62 @@ TEST(Reduction, LosesNoMoreThanItSays) {
     }
 }
 
+__extension__ typedef __float128 Quad;
+
+// Chebyshev's polynomials at u, or Bernstein's, to more digits than doubles have.
+std::vector<Quad> exact_basis(bool chebyshev, Quad u, std::size_t n) {
+  std::vector<Quad> v(n, 0);
+  v[0] = 1;
+  if (chebyshev) {
+    if (n > 1) v[1] = 2 * u - 1;
+    for (std::size_t k = 2; k < n; ++k) v[k] = 2 * (2 * u - 1) * v[k - 1] - v[k - 2];
+  } else {
+    for (std::size_t d = 1; d < n; ++d)
+      for (std::size_t i = d + 1; i-- > 0;) v[i] = (1 - u) * v[i] + (i > 0 ? u * v[i - 1] : Quad(0));
+  }
+  return v;
+}
+
+Quad exact_value(const double* c, std::size_t down, std::size_t depth, std::size_t across, std::size_t padded, bool chebyshev, const double* at) {
+  const auto v = exact_basis(chebyshev, at[0], down), s = exact_basis(false, at[1], depth), u = exact_basis(chebyshev, at[2], across);
+  Quad sum = 0;
+  for (std::size_t j = 0; j < down; ++j)
+    for (std::size_t k = 0; k < depth; ++k)
+      for (std::size_t i = 0; i < across; ++i) sum += v[j] * s[k] * u[i] * c[(j * depth + k) * padded + i];
+  return sum;
+}
+
+TEST(Reduction, RoundsNoMoreThanItSays) {
+  Random random(7);
+  double worst = 0;
+  for (const int degree : {7, 10, 13, 20})
+    for (int form_of = 0; form_of < 4; ++form_of) {
+      const std::size_t n = static_cast<std::size_t>(degree) + 1, m = (n + kLanes - 1) / kLanes * kLanes;
+      std::vector<double> form = some_form(n, m, 0, random);
+      // Of one sign, nearly constant: sums are as large as they can be, and steps small.
+      if (form_of % 2)
+        for (double& v : form) v = 1.5 + 0.3 * v;
+      const Reduction reduction(degree, degree);
+      std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
+      Room scratch;
+      Reduction::Strip of;
+      double longest = 0;
+      double error = reduction.strip_of(form.data(), {m, 1}, largest_of(form), of, strip.data(), scratch);
+      error += reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+      Reduction::Reduced out;
+      ASSERT_TRUE(reduction.run(pencil.data(), 0, true, out));
+      std::vector<double> packed(out.down * n * out.across + kLanes);
+      reduction.pack(out, 1, packed.data());
+      for (int trial = 0; trial < 30; ++trial) {
+        const double at[] = {0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random)};
+        const auto off = static_cast<double>(exact_value(form.data(), n, n, n, m, false, at) - exact_value(packed.data(), out.down, n, out.across, out.across, true, at));
+        EXPECT_LE(std::fabs(off), error + out.error) << degree;
+        worst = std::max(worst, std::fabs(off) / (error + out.error));
+      }
+    }
+  EXPECT_GT(worst, 0.1);  // or the bound is of something else
+}
+
 TEST(Reduction, PacksFloatsAsDoubles) {
   Random random(6);
   const std::size_t n = 8;
