@@ -20,7 +20,7 @@ DoubleDouble rounded(Quad v) {
 // n sums hi + lo and the sums of the sizes of all that went into each.
 class Values {
  public:
-  explicit Values(std::size_t n = 0) : n_(n), all_(3 * n) {}
+  explicit Values(std::size_t n) : n_(n), all_(3 * n) {}
   std::size_t count() const { return n_; }
   double* hi() { return all_.data(); }
   double* lo() { return all_.data() + n_; }

@@ -161,7 +161,8 @@ IRT_WIDEST Extent extent_of(const double* values, std::size_t n) {
   std::size_t i = 0;
   for (; i + kChains * kLanes <= n; i += kChains * kLanes)
     for (std::size_t c = 0; c < kChains; ++c) look(c, i + c * kLanes);
-  for (; i < n; i += kLanes) look(0, i);
+  for (; i + kLanes <= n; i += kLanes) look(0, i);
+  if (i < n) look(0, n - kLanes);
   for (std::size_t c = 1; c < kChains; ++c) chains[0].look(chains[c]);
   return chains[0].extent();
 }

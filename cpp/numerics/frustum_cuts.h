@@ -1,6 +1,8 @@
 // What cutting a frustum form does to arrays of coefficients, in the widest vectors that the processor has; results do not depend on them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -12,6 +14,7 @@ struct Runs {
 };
 struct Extent {
   double lowest, highest;
+  double size() const { return std::max(std::fabs(lowest), std::fabs(highest)); }  // the largest
 };
 struct Halves {
   Extent first, second;
@@ -23,7 +26,7 @@ void halve_unseen(double* first, double* second, const Runs& runs);
 // The same for sums hi + lo (kDoubleDoubleUnit).
 void halve(double* first_hi, double* first_lo, double* second_hi, double* second_lo, const Runs& runs);
 
-Extent extent_of(const double* values, std::size_t n);  // n: a multiple of kLanes
+Extent extent_of(const double* values, std::size_t n);  // n: kLanes at least
 
 // The least and the largest step from line to line.
 Extent steps_of(const double* values, const Runs& runs);
@@ -33,6 +36,8 @@ double slowest_change(const double* values, const Runs& runs);
 std::size_t winding(const double* values, const Runs& runs);
 
 constexpr std::size_t kLanes = 4;
+// Rounded up to whole vectors.
+constexpr std::size_t in_lanes(std::size_t n) { return (n + kLanes - 1) / kLanes * kLanes; }
 
 // Room for doubles that begins where a line of the cache does: vectors that lie across two of them take longer.
 class Room {

@@ -11,9 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -22,6 +20,7 @@
 #include "numerics/double_double.h"
 #include "numerics/frustum_cuts.h"
 #include "numerics/frustum_reduce.h"
+#include "numerics/recent.h"
 
 namespace irt::numerics {
 namespace {
@@ -150,30 +149,21 @@ struct Form {
   double *hi, *lo;
 };
 
-// Of any n >= kLanes.
-Extent extent_of_all(const double* values, std::size_t n) {
-  const Extent e = extent_of(values, n / kLanes * kLanes), last = extent_of(values + n - kLanes, kLanes);
-  return {std::min(e.lowest, last.lowest), std::max(e.highest, last.highest)};
-}
-
-// Made once each.
-const Reduction& reduction_of(int degree, int depth) {
-  static std::mutex mutex;
-  static auto* const all = new std::map<std::pair<int, int>, Reduction>;
-  const std::scoped_lock lock(mutex);
-  return all->try_emplace({degree, depth}, degree, depth).first->second;
+std::shared_ptr<const Reduction> reduction_of(int degree, int depth) {
+  static auto* const recent = new Recent<std::pair<int, int>, Reduction>;
+  return recent->get({degree, depth}, [&] { return std::make_shared<const Reduction>(degree, depth); });
 }
 
 // One column of tiles after another.
 class Cutter {
  public:
   Cutter(const Frustum& frustum, const Demand& demand, int degree, Found& found)
-      : frustum_(frustum), demand_(demand), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_((n_ + kLanes - 1) / kLanes * kLanes),
+      : frustum_(frustum), demand_(demand), found_(found), n_(static_cast<std::size_t>(degree) + 1), m_(in_lanes(n_)),
         size_(n_ * n_ * m_), grow_(degree + 1),
         slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {
     if (!demand.reduced) return;
-    reduction_ = &reduction_of(degree, demand.depth);
-    exact_reduction_ = &reduction_of(degree, degree);
+    reduction_ = reduction_of(degree, demand.depth);
+    exact_reduction_ = reduction_of(degree, degree);
   }
 
   // hi + lo is the form over column x: [across][down][depth].
@@ -186,9 +176,9 @@ class Cutter {
     const Block all{frustum_.tile_y0, frustum_.tile_y0 + frustum_.span_y(), 0, 1 << kMostDepthCuts};
     if (hidden(all)) return;
     allowed_ = HUGE_VAL;
-    const Extent extent = extent_of_all(hi, n_ * n_ * n_);
+    const Extent extent = extent_of(hi, n_ * n_ * n_);
     if (demand_.reduced) {
-      const double largest = size_of(extent);
+      const double largest = extent.size();
       if (in_strips(all, 0, hi, {1, n_ * n_}, error + 0x1p-53 * largest, largest)) return;
       only(failed_, all);
     }
@@ -204,8 +194,6 @@ class Cutter {
   }
 
  private:
-  static double size_of(const Extent& e) { return std::max(std::fabs(e.lowest), std::fabs(e.highest)); }
-
   // A buffer for each level of the recursion: [down][depth][across], lines across padded by repetition.
   Form at_level(int level) {
     while (static_cast<int>(pool_.size()) <= level) pool_.emplace_back();
@@ -218,7 +206,7 @@ class Cutter {
   // `form` over `block`; front to back within each tile. False where double leaves a cell less exact than it may be.
   bool cut(const Block& block, Form form, const Extent& extent, double error, int level) {
     if (block.y0 >= frustum_.tile_y1) return true;
-    const double largest = size_of(extent), known = error + (form.lo ? 0x1p-53 * largest : 0);
+    const double largest = extent.size(), known = error + (form.lo ? 0x1p-53 * largest : 0);
     if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
     if (!form.lo || (largest > allowed_ && level < kPreciseCuts)) return cut_further(block, form, largest, error, level);
     if (!demand_.reduced) return in_double(block, form, extent, known, largest, level) || cut_further(block, form, largest, error, level);
@@ -260,13 +248,13 @@ class Cutter {
 
   // `form` in double from here on; where that is not enough nothing is found.
   bool in_double(const Block& block, const Form& form, const Extent& extent, double error, double largest, int level) {
-    const std::size_t leaves = found_.leaves.size(), used = found_.coefficients.used, exact = found_.exact.used;
+    const Mark mark = here();
     const std::vector<bool> full = full_;
     const Form copy{at_level(level + 1).hi, nullptr};
     std::copy_n(form.hi, size_, copy.hi);
     strict_ = level < kPreciseCuts;
     if (cut(block, copy, extent, error, level + 1)) return true;
-    forget(leaves, used, exact);
+    forget(mark);
     full_ = full;
     allow(largest);
     return false;
@@ -275,10 +263,15 @@ class Cutter {
   // Double was not enough for a block with so large a coefficient.
   void allow(double largest) { allowed_ = std::min(allowed_, largest * std::min(0.5, enough() / failed_error_)); }
 
-  void forget(std::size_t leaves, std::size_t used, std::size_t exact) {
-    found_.leaves.resize(leaves);
-    found_.coefficients.used = used;
-    found_.exact.used = exact;
+  // How much has been found, and what was found since.
+  struct Mark {
+    std::size_t leaves, coefficients, exact;
+  };
+  Mark here() const { return {found_.leaves.size(), found_.coefficients.used, found_.exact.used}; }
+  void forget(const Mark& since) {
+    found_.leaves.resize(since.leaves);
+    found_.coefficients.used = since.coefficients;
+    found_.exact.used = since.exact;
   }
 
   // The same by polynomials across (frustum_reduce.h); `form` has no coefficient larger than `largest`. Tiles for which that is not enough are left to be tried once more.
@@ -303,11 +296,11 @@ class Cutter {
   void strip_cut(const Block& block, const Reduction::Strip& strip, double* values, double error, std::size_t level) {
     if (block.y0 >= frustum_.tile_y1 || hidden(block)) return;
     if (block.y1 - block.y0 == 1) {
-      const std::size_t leaves = found_.leaves.size(), used = found_.coefficients.used, exact = found_.exact.used;
+      const Mark mark = here();
       double *const pencil = pencils_[0].of(n_ * (reduction_->width() + reduction_->net_width())), *const net = pencil + n_ * reduction_->width();
       const double lost = reduction_->pencil_of(values, strip, kMostDepthCuts, pencil, net, longest_, scratch_);
       if (slab(block, pencil, net, extent_of(net, n_ * reduction_->net_width()), error + lost, 1)) return;
-      forget(leaves, used, exact);
+      forget(mark);
       failed_.push_back(block.y0);
       return;
     }
@@ -332,7 +325,7 @@ class Cutter {
     if (extent.lowest - beside > error || extent.highest + beside < -error) return true;
     if (placed == 0) placed = place(block);  // what lies inside has parts inside
     if (placed > 0) return true;
-    const double largest = size_of(extent) + beside;
+    const double largest = extent.size() + beside;
     const Runs runs{n_, net_width, net_width, 1, 0};
     const bool shortest = block.last - block.first == 1;
     const bool winds = !demand_.few && cuts_left(block, kUsualDepthCuts + 1) && static_cast<double>(winding(net, runs)) > kWinding * static_cast<double>(net_width);
@@ -340,7 +333,7 @@ class Cutter {
         reduction_->run(pencil, kLost * demand_.unit * largest, shortest, reduced_)) {
       const Extent first = extent_of(net, net_width), last = extent_of(net + (n_ - 1) * net_width, net_width);
       const double known = error + beside;
-      if (!suffices(error / largest, blur(block, error, slowest_change(net, runs)))) return false;
+      if (!suffices(error / largest, [&] { return blur(block, error, slowest_change(net, runs)); })) return false;
       const bool enters = (first.lowest > known && last.highest < -known) || (first.highest < -known && last.lowest > known);
       return emit(block, pencil, error, largest, enters && placed < 0);
     }
@@ -436,8 +429,8 @@ class Cutter {
   static double bound(double kept, std::size_t terms, double unit, double weight) { return kept + static_cast<double>(terms + 4) * unit * weight; }
 
   // Whether a cell whose coefficients are so inexact, in parts of the largest, is exact enough: it need not be more than floats are where roots do not suffer.
-  bool suffices(double kept, double blur = HUGE_VAL) {
-    if (!strict_ || kept <= enough() || (kept <= most_inexact() && blur <= kLittleBlur * (demand_.exact ? demand_.exact_eps : demand_.eps))) return true;
+  bool suffices(double kept, const auto& blur) {
+    if (!strict_ || kept <= enough() || (kept <= most_inexact() && blur() <= kLittleBlur * (demand_.exact ? demand_.exact_eps : demand_.eps))) return true;
     failed_error_ = kept;
     return false;
   }
@@ -469,7 +462,7 @@ class Cutter {
 
   bool emit(const Block& b, const Form& form, double error, double largest) {
     const double scale = scale_of(largest), kept = error * scale + 0x1p-52;
-    if (!form.lo && !suffices(kept)) return false;
+    if (!form.lo && !suffices(kept, [] { return HUGE_VAL; })) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_ && (above || below); ++j)
       for (std::size_t i = 0; i < n_; ++i) {
@@ -502,7 +495,7 @@ class Cutter {
 
   const Frustum& frustum_;
   Demand demand_;
-  const Reduction *reduction_ = nullptr, *exact_reduction_ = nullptr;  // Demand::reduced
+  std::shared_ptr<const Reduction> reduction_, exact_reduction_;  // Demand::reduced
   Reduction::Reduced reduced_;
   std::deque<Room> strips_{1};
   double longest_ = 0;       // the largest sum of sizes in a line of the pencil

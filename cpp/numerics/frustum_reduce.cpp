@@ -288,12 +288,6 @@ IRT_WIDEST double largest_step_of(const double* values, std::size_t n, std::size
   return most;
 }
 
-double largest_of_any(const double* values, std::size_t n) {
-  double most = 0;
-  for (std::size_t i = 0; i < n; ++i) most = std::max(most, std::fabs(values[i]));
-  return most;
-}
-
 // The net of a line of a pencil: what the first `side` polynomials make, in lines of `lines` coefficients. `beside` becomes the sum of the sizes of the others;
 // returns that of all.
 IRT_WIDEST double net_of(const double* line, const PencilRow* rows, std::size_t n, std::size_t side, std::size_t lines, const double* factors, double* net, double& beside) {
@@ -343,10 +337,10 @@ IRT_WIDEST void pack_in_doubles(const double* values, std::size_t depth, std::si
 }  // namespace
 
 Reduction::Reduction(int degree, int depth)
-    : n_(static_cast<std::size_t>(degree) + 1), depth_(static_cast<std::size_t>(depth) + 1), lines_((n_ + kLanes - 1) / kLanes * kLanes),
-      side_(std::min(n_, kNetSide)), net_lines_((side_ + kLanes - 1) / kLanes * kLanes), across_(n_ * lines_, 0), net_(side_ * net_lines_) {
+    : n_(static_cast<std::size_t>(degree) + 1), depth_(static_cast<std::size_t>(depth) + 1), lines_(in_lanes(n_)),
+      side_(std::min(n_, kNetSide)), net_lines_(in_lanes(side_)), across_(n_ * lines_, 0), net_(side_ * net_lines_) {
   for (std::size_t j = 0; j < n_; ++j) {
-    const std::size_t count = n_ - j, padded = (count + kLanes - 1) / kLanes * kLanes;
+    const std::size_t count = n_ - j, padded = in_lanes(count);
     rows_.push_back({width_, count, padded});
     width_ += padded;
   }
@@ -396,10 +390,10 @@ Reduction::Reduction(int degree, int depth)
 
 double Reduction::strip_of(const double* form, const Steps& steps, double largest, Strip& strip, double* values, Room& scratch) const {
   const std::size_t planes = n_ * n_, count = n_ - 1;
-  double* const from = scratch.of(count * planes + kLanes);
+  double* const from = scratch.of(count * planes);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < planes; ++k) from[i * planes + k] = form[k * steps.line + (i + 1) * steps.term] - form[k * steps.line + i * steps.term];
-  const double step = largest_of_any(from, count * planes);
+  const double step = extent_of(from, count * planes).size();
   multiply(from, across_.data(), values, {planes, count, lines_, 1, planes, lines_, lines_});
   for (std::size_t k = 0; k < planes; ++k) values[k * lines_] += 0.5 * (form[k * steps.line] + form[k * steps.line + count * steps.term]);
   strip.widest = largest_size_of(values, planes, lines_) * (1 + 1e-12);

@@ -63,7 +63,7 @@ class Reduction {
  private:
   std::size_t n_, depth_, lines_, width_ = 0;  // coefficients in a line; lines_: n_ rounded up to whole vectors
   std::size_t side_, net_lines_;               // of a net
-  std::vector<PencilRow> rows_;            // by polynomial down
+  std::vector<PencilRow> rows_;                // by polynomial down
   // Of sums and of differences of opposite lines, row by row.
   struct Halves {
     std::vector<double> even, odd;

@@ -356,6 +356,13 @@ template <class Real>
 IRT_WIDEST Counted counted(const unsigned char* status, const float* half, std::size_t n, float most) { return count(status, half, n, most); }
 IRT_WIDEST Counted counted(const unsigned char* status, const double* half, std::size_t n, double most) { return count(status, half, n, most); }
 
+bool is_wide(const Answer& answer, std::size_t i, const Options& options) {
+  if (answer.status->as<unsigned char>()[i] != 1 || !options.outward) return false;
+  return !((answer.wide ? answer.uncertainty->as<double>()[i] : static_cast<double>(answer.uncertainty->as<float>()[i])) <= 0.5 * options.eps);
+}
+
+bool is_undecided(const Answer& answer, std::size_t i, const Options& options) { return answer.status->as<unsigned char>()[i] >= 2 || is_wide(answer, i, options); }
+
 // Counts what there is, row by row; `open` gets what undecided() tells. With fast rounding no bracket has a width.
 void look(Answer& answer, const Options& options, std::vector<std::size_t>* open) {
   Answer::Tally& tally = answer.tally.emplace();
@@ -371,7 +378,7 @@ void look(Answer& answer, const Options& options, std::vector<std::size_t>* open
       tally.wide_hits += c.hits - c.narrow;
       if (!open || c.touches + c.open + c.hits - c.narrow == 0) continue;  // as in most rows
       for (std::size_t i = 0; i < answer.columns; ++i)
-        if (status[i] >= 2 || (status[i] == 1 && options.outward && !(half[i] <= most))) open->push_back(row * answer.pitch + i);
+        if (is_undecided(answer, row * answer.pitch + i, options)) open->push_back(row * answer.pitch + i);
     }
   };
   if (answer.wide) {
@@ -379,11 +386,6 @@ void look(Answer& answer, const Options& options, std::vector<std::size_t>* open
   } else {
     rows(answer.uncertainty->as<float>(), float_below(0.5 * options.eps));
   }
-}
-
-bool is_wide(const Answer& answer, std::size_t i, const Options& options) {
-  if (answer.status->as<unsigned char>()[i] != 1 || !options.outward) return false;
-  return !((answer.wide ? answer.uncertainty->as<double>()[i] : static_cast<double>(answer.uncertainty->as<float>()[i])) <= 0.5 * options.eps);
 }
 
 }  // namespace
@@ -400,7 +402,7 @@ std::vector<std::size_t> undecided(Answer& answer, const Options& options) {
 
 std::vector<std::size_t> undecided(const Answer& answer, const std::vector<std::size_t>& some, const Options& options) {
   std::vector<std::size_t> open;
-  std::copy_if(some.begin(), some.end(), std::back_inserter(open), [&](std::size_t i) { return answer.status->as<unsigned char>()[i] >= 2 || is_wide(answer, i, options); });
+  std::copy_if(some.begin(), some.end(), std::back_inserter(open), [&](std::size_t i) { return is_undecided(answer, i, options); });
   return open;
 }
 

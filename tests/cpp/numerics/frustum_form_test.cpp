@@ -14,7 +14,7 @@
 #include "expr/calculus.h"
 #include "expr/parse.h"
 #include "expr/tape.h"
-#include "numerics/frustum_reduce.h"
+#include "tensor.h"
 
 namespace irt::numerics {
 namespace {
@@ -39,22 +39,6 @@ Frustum frustum_of(bool perspective) {
   f.lower = glm::dvec3(-20);
   f.upper = glm::dvec3(20);
   return f;
-}
-
-using Basis = void (*)(double, std::size_t, double*, double*);
-
-// The value of [down][depth][across] at three places from 0 to 1.
-template <typename Real>
-double value(const Real* c, std::size_t down, std::size_t depth, std::size_t across, Basis basis, const double* at) {
-  std::vector<double> v(down), s(depth), u(across), slopes(std::max({down, depth, across}));
-  basis(at[0], down, v.data(), slopes.data());
-  bernstein_at(at[1], depth, s.data(), slopes.data());
-  basis(at[2], across, u.data(), slopes.data());
-  double sum = 0;
-  for (std::size_t j = 0; j < down; ++j)
-    for (std::size_t k = 0; k < depth; ++k)
-      for (std::size_t i = 0; i < across; ++i) sum += v[j] * s[k] * u[i] * static_cast<double>(c[(j * depth + k) * across + i]);
-  return sum;
 }
 
 struct Case {
@@ -115,13 +99,13 @@ TEST_P(CellsOf, HaveTheSignsOfTheFormulaAndItsFirstZeros) {
         const double at[] = {v, (s - cell.near) / (cell.far - cell.near), u};
         const std::size_t step = kCellStep;
         const double told = demand.single()
-                                ? value(reinterpret_cast<const float*>(form.back().data()) + cell.begin * step, cell.down, depth, cell.across, basis, at)
-                                : value(reinterpret_cast<const double*>(form.back().data()) + cell.begin * step, cell.down, depth, cell.across, basis, at);
+                                ? value(reinterpret_cast<const float*>(form.back().data()) + cell.begin * step, cell.down, depth, cell.across, cell.across, basis, at)
+                                : value(reinterpret_cast<const double*>(form.back().data()) + cell.begin * step, cell.down, depth, cell.across, cell.across, basis, at);
         EXPECT_LE(std::fabs(told), 2.1);
         const bool known = std::fabs(truth) > 1e-10;  // beyond the rounding of the tape
         EXPECT_TRUE(!known || std::fabs(told) <= cell.error || (told > 0) == (truth > 0)) << c.formula << " " << s;
         if (!c.exact) continue;
-        const double more = value(reinterpret_cast<const double*>(exact.back().data()) + cell.exact_begin * step, cell.exact_down, n, cell.exact_across, basis, at);
+        const double more = value(reinterpret_cast<const double*>(exact.back().data()) + cell.exact_begin * step, cell.exact_down, n, cell.exact_across, cell.exact_across, basis, at);
         EXPECT_LE(std::fabs(told - more), cell.error + cell.exact_error);
         EXPECT_TRUE(!known || std::fabs(more) <= cell.exact_error || (more > 0) == (truth > 0)) << c.formula << " " << s;
       }

@@ -8,24 +8,10 @@
 #include <vector>
 
 #include "numerics/frustum_cuts.h"
+#include "tensor.h"
 
 namespace irt::numerics {
 namespace {
-
-using Basis = void (*)(double, std::size_t, double*, double*);
-
-// A tensor [down][depth][across], lines across `padded` apart.
-double value(const double* c, std::size_t down, std::size_t depth, std::size_t across, std::size_t padded, Basis basis, const double* at) {
-  std::vector<double> v(down), s(depth), u(across), slopes(std::max({down, depth, across}));
-  basis(at[0], down, v.data(), slopes.data());
-  bernstein_at(at[1], depth, s.data(), slopes.data());
-  basis(at[2], across, u.data(), slopes.data());
-  double sum = 0;
-  for (std::size_t j = 0; j < down; ++j)
-    for (std::size_t k = 0; k < depth; ++k)
-      for (std::size_t i = 0; i < across; ++i) sum += v[j] * s[k] * u[i] * c[(j * depth + k) * padded + i];
-  return sum;
-}
 
 using Random = std::mt19937;
 
@@ -63,6 +49,27 @@ double largest_of(const std::vector<double>& values) {
   return largest;
 }
 
+// The pencil of a form, its net, and what making them may have lost.
+struct Pencil {
+  std::vector<double> values, net;
+  double error = 0;
+
+  Pencil(const Reduction& reduction, const std::vector<double>& form, std::size_t n, std::size_t m) : values(n * reduction.width()), net(n * reduction.net_width()) {
+    std::vector<double> strip(n * reduction.plane());
+    Room scratch;
+    Reduction::Strip of;
+    double longest;
+    error = reduction.strip_of(form.data(), {m, 1}, largest_of(form), of, strip.data(), scratch);
+    error += reduction.pencil_of(strip.data(), of, 0, values.data(), net.data(), longest, scratch);
+  }
+};
+
+std::vector<double> packed(const Reduction& reduction, const Reduction::Reduced& out, std::size_t lines, double scale = 1) {
+  std::vector<double> values(out.down * lines * out.across + kLanes);
+  reduction.pack(out, scale, values.data());
+  return values;
+}
+
 TEST(Reduction, LosesNoMoreThanItSays) {
   Random random(5);
   for (const int degree : {2, 5, 10, 16})
@@ -72,34 +79,29 @@ TEST(Reduction, LosesNoMoreThanItSays) {
       for (const int depth : {1, degree / 2 + 1, degree})
         for (const double tolerance : {0.0, 1e-6, 1e-2}) {
           const Reduction reduction(degree, depth);
-          std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
-          Room scratch;
-          Reduction::Strip of;
-  double longest = 0;
-          double error = reduction.strip_of(form.data(), {m, 1}, largest_of(form), of, strip.data(), scratch);
-          error += reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+          const Pencil pencil(reduction, form, n, m);
+          const double error = pencil.error;
           if (noise == 0) {
             EXPECT_LT(error, 1e-11) << degree;
           }
-          const auto [low, high] = std::minmax_element(net.begin(), net.end());
+          const auto [low, high] = std::minmax_element(pencil.net.begin(), pencil.net.end());
           double beside = 0;
-          for (std::size_t k = 0; k < n; ++k) beside = std::max(beside, reduction.beside(pencil.data() + k * reduction.width()));
+          for (std::size_t k = 0; k < n; ++k) beside = std::max(beside, reduction.beside(pencil.values.data() + k * reduction.width()));
           Reduction::Reduced out;
-          const bool done = reduction.run(pencil.data(), tolerance, false, out);
+          const bool done = reduction.run(pencil.values.data(), tolerance, false, out);
           if (!done) {
             EXPECT_LT(depth, degree);
-            ASSERT_TRUE(reduction.run(pencil.data(), tolerance, true, out));
+            ASSERT_TRUE(reduction.run(pencil.values.data(), tolerance, true, out));
             EXPECT_GT(out.error, tolerance);
           }
           EXPECT_LE(out.down, n);
           EXPECT_LE(out.across, n);
           const std::size_t lines = static_cast<std::size_t>(depth) + 1;
-          std::vector<double> packed(out.down * lines * out.across + kLanes);
-          reduction.pack(out, 1, packed.data());
+          const std::vector<double> cell = packed(reduction, out, lines);
           for (int trial = 0; trial < 20; ++trial) {
             const double at[] = {0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random)};
             const double f = value(form.data(), n, n, n, m, bernstein_at, at);
-            const double q = value(packed.data(), out.down, lines, out.across, out.across, chebyshev_at, at);
+            const double q = value(cell.data(), out.down, lines, out.across, out.across, chebyshev_at, at);
             EXPECT_LE(std::fabs(f - q), error + out.error + 1e-13) << degree << " to " << depth;
             EXPECT_LE(std::fabs(q), out.weight * (1 + 1e-13));
             EXPECT_GE(f, *low - beside - error - 1e-13);
@@ -127,11 +129,7 @@ std::vector<Quad> exact_basis(bool chebyshev, Quad u, std::size_t n) {
 
 Quad exact_value(const double* c, std::size_t down, std::size_t depth, std::size_t across, std::size_t padded, bool chebyshev, const double* at) {
   const auto v = exact_basis(chebyshev, at[0], down), s = exact_basis(false, at[1], depth), u = exact_basis(chebyshev, at[2], across);
-  Quad sum = 0;
-  for (std::size_t j = 0; j < down; ++j)
-    for (std::size_t k = 0; k < depth; ++k)
-      for (std::size_t i = 0; i < across; ++i) sum += v[j] * s[k] * u[i] * c[(j * depth + k) * padded + i];
-  return sum;
+  return sum_of(c, v, s, u, padded);
 }
 
 TEST(Reduction, RoundsNoMoreThanItSays) {
@@ -145,19 +143,14 @@ TEST(Reduction, RoundsNoMoreThanItSays) {
       if (form_of % 2)
         for (double& v : form) v = 1.5 + 0.3 * v;
       const Reduction reduction(degree, degree);
-      std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
-      Room scratch;
-      Reduction::Strip of;
-      double longest = 0;
-      double error = reduction.strip_of(form.data(), {m, 1}, largest_of(form), of, strip.data(), scratch);
-      error += reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+      const Pencil pencil(reduction, form, n, m);
+      const double error = pencil.error;
       Reduction::Reduced out;
-      ASSERT_TRUE(reduction.run(pencil.data(), 0, true, out));
-      std::vector<double> packed(out.down * n * out.across + kLanes);
-      reduction.pack(out, 1, packed.data());
+      ASSERT_TRUE(reduction.run(pencil.values.data(), 0, true, out));
+      const std::vector<double> cell = packed(reduction, out, n);
       for (int trial = 0; trial < 30; ++trial) {
         const double at[] = {0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random), 0.5 + 0.5 * between(random)};
-        const auto off = static_cast<double>(exact_value(form.data(), n, n, n, m, false, at) - exact_value(packed.data(), out.down, n, out.across, out.across, true, at));
+        const auto off = static_cast<double>(exact_value(form.data(), n, n, n, m, false, at) - exact_value(cell.data(), out.down, n, out.across, out.across, true, at));
         EXPECT_LE(std::fabs(off), error + out.error) << degree;
         worst = std::max(worst, std::fabs(off) / (error + out.error));
       }
@@ -170,17 +163,11 @@ TEST(Reduction, PacksFloatsAsDoubles) {
   const std::size_t n = 8;
   const std::vector<double> form = some_form(n, n, 0, random);
   const Reduction reduction(7, 7);
-  std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
-  Room scratch;
-  Reduction::Strip of;
-  double longest = 0;
-  reduction.strip_of(form.data(), {n, 1}, largest_of(form), of, strip.data(), scratch);
-  reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+  const Pencil pencil(reduction, form, n, n);
   Reduction::Reduced out;
-  ASSERT_TRUE(reduction.run(pencil.data(), 1e-3, false, out));
-  std::vector<double> wide(out.down * n * out.across + kLanes);
+  ASSERT_TRUE(reduction.run(pencil.values.data(), 1e-3, false, out));
+  const std::vector<double> wide = packed(reduction, out, n, 0.5);
   std::vector<float> narrow(wide.size());
-  reduction.pack(out, 0.5, wide.data());
   reduction.pack(out, 0.5, narrow.data());
   for (std::size_t i = 0; i < out.down * n * out.across; ++i) EXPECT_EQ(narrow[i], static_cast<float>(wide[i]));
 }
@@ -192,23 +179,18 @@ TEST(Reduction, DropsWhatASmoothFormDoesNotNeed) {
   for (std::size_t line = 0; line < n * n; ++line)
     for (std::size_t i = 0; i < m; ++i) form[line * m + i] = static_cast<double>(std::min<std::size_t>(i, n - 1)) / 9;
   const Reduction reduction(9, 3);
-  std::vector<double> strip(n * reduction.plane()), pencil(n * reduction.width()), net(n * reduction.net_width());
-  Room scratch;
-  Reduction::Strip of;
-  double longest = 0;
-  reduction.strip_of(form.data(), {m, 1}, 1, of, strip.data(), scratch);
-  reduction.pencil_of(strip.data(), of, 0, pencil.data(), net.data(), longest, scratch);
+  const Pencil pencil(reduction, form, n, m);
   Reduction::Reduced out;
-  ASSERT_TRUE(reduction.run(pencil.data(), 1e-12, false, out));
+  ASSERT_TRUE(reduction.run(pencil.values.data(), 1e-12, false, out));
   EXPECT_EQ(out.down, 1u);
   EXPECT_EQ(out.across, 2u);
   EXPECT_NEAR(out.values[0], 0.5, 1e-14);
   EXPECT_NEAR(out.values[1], 0.5, 1e-14);
   // The net of what is straight is no wider.
-  const auto [low, high] = std::minmax_element(net.begin(), net.end());
+  const auto [low, high] = std::minmax_element(pencil.net.begin(), pencil.net.end());
   EXPECT_NEAR(*low, 0, 1e-13);
   EXPECT_NEAR(*high, 1, 1e-13);
-  EXPECT_LT(reduction.beside(pencil.data()), 1e-12);
+  EXPECT_LT(reduction.beside(pencil.values.data()), 1e-12);
 }
 
 TEST(Basis, SlopesAreThoseOfValues) {
