@@ -134,7 +134,7 @@ def main() -> None:
             frame = irt.render(surface, method=method, outputs=("pieces",), **call)
             bare = [irt.render(surface, method=method, outputs=(), **call).stats for _ in range(4)][1:]
             both = frame.hit & truth.hit
-            errors = np.abs(frame.depth - truth.depth)[both] / depth
+            errors = np.abs(frame.depth[both] - truth.depth[both]) / depth
             cuts = frame.pieces[frame.hit].mean()
             insertions = (
                 f"{cuts * (1 if '-mr' in method else degree):.1f}"
