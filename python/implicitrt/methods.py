@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from implicitrt import _core
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, ExprLike, sympify
 from implicitrt.set_operations import closed_polynomial, set_form
@@ -255,8 +256,9 @@ _CURVED = frozenset({
 })  # fmt: skip
 
 
-# Degrees at which frames by the frustum form are faster than by contraction (docs/performance.md). Above, coefficients take longer.
-_FORM_DEGREES = range(2, 15)
+# Degrees at which frames by the frustum form are faster than by contraction, and those at which they are for formulas of degree**4 / _LONG parts or more: there
+# coefficients take as long as contraction (docs/performance.md).
+_FORM_DEGREES, _LONG_DEGREES, _LONG = range(2, 15), range(15, 25), 600
 
 
 @lru_cache(maxsize=256)
@@ -272,7 +274,7 @@ def degree_of(expr: Expr) -> int | None:
 def _choose_for_frames(expr: Expr) -> tuple[str, str]:
     """The same for frames: polynomials have their frustum form."""
     degree = degree_of(expr)
-    if degree is not None and degree in _FORM_DEGREES:
+    if degree is not None and (degree in _FORM_DEGREES or (degree in _LONG_DEGREES and _core.count_nodes(expr._node) >= degree**4 / _LONG)):
         if degree > 8 and expr._node.op == "Add" and all(len({s.name for s in part.free_symbols} & {"x", "y", "z"}) < 2 for part in expr.args):
             return "contract", "it is a sum of polynomials of one coordinate each, of a high degree: affine forms know their Taylor forms"
         return "frustum-newton", f"it is a polynomial of degree {degree}, and its frustum form depends on nothing else"

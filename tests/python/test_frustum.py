@@ -179,8 +179,10 @@ def test_what_lies_behind_a_half_space_is_seen(method: str) -> None:
 
 def test_auto_takes_the_form_where_it_is_fastest() -> None:
     assert irt.explain("x^6 + y^6 - z").startswith("auto takes frustum-newton")
-    for f in ("x^16 + y^16 + z^16 - 1", "x + y", "sin(x) - y"):
+    for f in ("x^16 + y^16 + z^16 - 1", "x + y", "sin(x) - y", "((x^2 + y^2 + z^2 - 1)^4 - x*y*z/10)^2 - 0.01"):
         assert "frustum" not in irt.explain(f)
+    long = " + ".join(f"{i + 1}/{j + 7}*x^{i}*y^{j}*z^{16 - i - j}" for i in range(17) for j in range(17 - i))
+    assert irt.explain(long + " - 1").startswith("auto takes frustum-newton")
     assert irt.render("x^2*y + z - 0.1", size=(16, 16)).stats.method == "frustum-newton"
     clipped = irt.render("x^2*y + z - 0.1", bounds=[1, irt.Clip("x")], size=(16, 16))
     assert clipped.stats.method == "contract"
