@@ -317,6 +317,11 @@ std::vector<Expr> postorder(const Expr& root) {
   return out;
 }
 
+std::optional<long> natural(const Expr& e) {
+  if (e.op() != Op::Number || e.number().get_den() != 1 || sgn(e.number()) < 0 || !e.number().get_num().fits_slong_p()) return std::nullopt;
+  return e.number().get_num().get_si();
+}
+
 std::size_t count_nodes(const Expr& root) {
   const std::size_t n = postorder(root).size();
   if (n > limits::kNodes) throw LimitError(fmt::format("the formula has {} distinct parts; the limit is {}", n, limits::kNodes));

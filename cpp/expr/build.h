@@ -51,6 +51,9 @@ const char* function_name(Op op);
 // Visits every distinct sub-tree once, arguments before their users; never recursive.
 std::vector<Expr> postorder(const Expr& root);
 
+// The whole number at or above zero that it is, where it is one that a long holds.
+std::optional<long> natural(const Expr& e);
+
 // The number of distinct sub-trees. Throws LimitError past limits::kNodes.
 std::size_t count_nodes(const Expr& root);
 

@@ -30,11 +30,6 @@ struct MonomialHash {
 
 using Sum = std::unordered_map<Monomial, mpq_class, MonomialHash>;  // never empty
 
-std::optional<long> natural(const Expr& e) {
-  if (e.op() != Op::Number || e.number().get_den() != 1 || sgn(e.number()) < 0 || !e.number().get_num().fits_slong_p()) return std::nullopt;
-  return e.number().get_num().get_si();
-}
-
 class Expansion {
  public:
   // Each part once, arguments first; `uses`: how often it is an argument of those that follow.

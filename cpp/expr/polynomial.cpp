@@ -13,11 +13,6 @@
 namespace irt {
 namespace {
 
-std::optional<long> natural(const Expr& e) {
-  if (e.op() != Op::Number || e.number().get_den() != 1 || sgn(e.number()) < 0 || !e.number().get_num().fits_slong_p()) return std::nullopt;
-  return e.number().get_num().get_si();
-}
-
 int axis_of(const Expr& e) {
   if (e.op() != Op::Symbol || e.name().size() != 1) return -1;
   return e.name() == "x" ? 0 : e.name() == "y" ? 1 : e.name() == "z" ? 2 : -1;
