@@ -37,9 +37,11 @@ RayTerms make_terms(const Rays& rays, const std::vector<std::size_t>* which, std
     const vec D = d * scale;
     const long double nearest = glm::dot(center - o, D) / glm::dot(D, D);  // in units of D
     const vec P = o + nearest * D;
-    if (!(size < largest && size > 1 / largest) || !(std::fabs(nearest) < largest))
-      throw ArgumentError(fmt::format("ray {}: its direction is {} long and its origin {} lengths away; both must lie within {} and {} "
-                                      "in this precision", i, static_cast<double>(size), static_cast<double>(std::fabs(nearest)), 1 / largest, largest));
+    if (!(size < largest && size > 1 / largest))
+      throw ArgumentError(fmt::format("ray {}: its direction is {} long; that must lie between {} and {} in this precision", i, static_cast<double>(size), 1 / largest, largest));
+    if (!(std::fabs(nearest) < largest))
+      throw ArgumentError(fmt::format("ray {}: its origin is {} away from the bounds; that must be less than {} in this precision", i,
+                                      static_cast<double>(std::fabs(nearest) * glm::length(D)), largest));
     for (int axis = 0; axis < 3; ++axis) {
       out.terms.set(axis * padded + k, static_cast<double>(P[axis]));
       out.terms.set((3 + axis) * padded + k, static_cast<double>(D[axis]));

@@ -80,6 +80,16 @@ from implicitrt.trace import trace
 
 __version__ = "0.1.0"
 
+
+def __getattr__(name: str) -> object:
+    # For those who test: nobody else waits for it.
+    if name == "testing":
+        import importlib
+
+        return importlib.import_module("implicitrt.testing")
+    raise AttributeError(f"module 'implicitrt' has no attribute {name!r}")
+
+
 # The kernel library lies beside the extension, which an editable install keeps elsewhere.
 _core.set_kernel_directory(str(_Path(_core.__file__).resolve().parent / "kernels"))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from implicitrt import _core
 from implicitrt.bounds import Bounds
-from implicitrt.camera import number
+from implicitrt.camera import Camera, number
 from implicitrt.errors import ArgumentError, LimitError
 from implicitrt.expression import Expr, check_parameter_names
 from implicitrt.surfaces import NamedSurface
@@ -49,7 +49,7 @@ def request_parameters(
     defaults = dict(f.params) if isinstance(f, NamedSurface) else {}
     given = {str(k): v for k, v in (params or {}).items()}
     values = defaults | given
-    check_parameter_names(names, values)
+    check_parameter_names(names, values, "params={'NAME': ...}")
     return {k: finite(v, f"the parameter '{k}'") for k, v in values.items()}
 
 
@@ -112,6 +112,33 @@ def request_size(size: Any) -> tuple[int, int]:
             "side); render parts of the picture"
         )
     return pixels
+
+
+def request_camera(f: Any, camera: Any, region: Bounds, size: tuple[int, int]) -> Camera:
+    """The camera that was given, else the named surface's, else one with the region in view."""
+    aspect = size[0] / size[1]
+    if camera is None:
+        camera = f.camera if isinstance(f, NamedSurface) else Camera.default(region, aspect)
+    if not isinstance(camera, Camera):
+        raise ArgumentError(f"camera must be an irt.Camera, not {camera!r}")
+    return camera.framed(region, aspect)
+
+
+def request_progress(progress: Any) -> Any:
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress must be a function of the fraction done, not {progress!r}")
+    return progress
+
+
+def request_outputs(outputs: Any) -> set[str]:
+    allowed = {"rgb", "normal", "pieces"}
+    try:
+        wanted = set() if isinstance(outputs, str) else set(outputs)
+    except TypeError:
+        wanted = {None}
+    if isinstance(outputs, str) or wanted - allowed:
+        raise ArgumentError(f'outputs is a collection of "rgb", "normal" and "pieces", not {outputs!r}')
+    return wanted
 
 
 def request_region(f: Any, bounds: Any) -> Bounds:

@@ -100,9 +100,9 @@ class Camera:
         put(self, "origin", point(origin, "the camera's origin"))
         put(self, "target", point(target, "the camera's target"))
         put(self, "up", point(up, "the camera's up"))
-        if projection not in ("perspective", "orthographic"):
+        if not isinstance(projection, str) or projection not in ("perspective", "orthographic"):
             raise ArgumentError(f'projection must be "perspective" or "orthographic", not {projection!r}')
-        put(self, "projection", projection)
+        put(self, "projection", str(projection))
         put(self, "fov", number(fov, "fov"))
         if not 0 < self.fov < 180:
             raise ArgumentError(f"fov must lie between 0 and 180 degrees, not {fov!r}")
@@ -129,23 +129,25 @@ class Camera:
         sideways = _cross(forward, _over(self.up, length))
         across = math.hypot(*sideways)
         if across < 1e-9:
-            raise ArgumentError(f"the camera's up {self.up} is parallel to its view; choose another, such as (0, 0, 1)")
+            other = (0, 0, 1) if abs(forward[2]) < 0.9 else (0, 1, 0)
+            raise ArgumentError(f"the camera's up {self.up} is parallel to its view; choose another, such as {other}")
         right = _over(sideways, across)
         return right, _cross(right, forward), forward
 
-    def framed(self, bounds: Bounds) -> Camera:
-        """The camera with a height that frames the bounds, where it is orthographic without one."""
+    def framed(self, bounds: Bounds, aspect: float = 1.0) -> Camera:
+        """The camera with a height that frames the bounds, where it is orthographic without one, in pictures `aspect` times as wide as high."""
         if self.projection == "perspective" or self.height is not None:
             return self
-        return Camera(self.origin, self.target, self.up, self.fov, self.projection, 2 * bounds.radius)
+        return Camera(self.origin, self.target, self.up, self.fov, self.projection, 2 * bounds.radius / min(aspect, 1.0))
 
     @staticmethod
-    def default(bounds: Bounds) -> Camera:
-        """The camera that has the bounds' sphere in view, from the direction (0.48, 0.36, 0.8)."""
+    def default(bounds: Bounds, aspect: float = 1.0) -> Camera:
+        """The camera that has the bounds' sphere in view, from the direction (0.48, 0.36, 0.8), in pictures `aspect` times as wide as high."""
         fov = 40.0
         direction = np.array(DEFAULT_DIRECTION) / np.linalg.norm(DEFAULT_DIRECTION)
         center = np.array(bounds.center)
-        distance = bounds.radius / math.sin(math.radians(fov / 2))
+        narrow = math.atan(math.tan(math.radians(fov / 2)) * min(aspect, 1.0))  # half the angle of the shorter side
+        distance = bounds.radius / math.sin(narrow)
         origin = center + distance * direction
         return Camera(tuple(origin.tolist()), tuple(center.tolist()), fov=fov)
 
@@ -154,8 +156,13 @@ class Camera:
 
         Returns:
             two arrays (height, width, 3) of float64.
+
+        Raises:
+            ArgumentError, LimitError: of the size; ArgumentError: an orthographic camera without a height.
         """
-        width, height = size
+        from implicitrt.arguments import request_size  # which needs cameras
+
+        width, height = request_size(size)
         right, up, forward = self.basis()
         u = (2 * (np.arange(width) + 0.5) / width - 1)[None, :, None]
         v = (1 - 2 * (np.arange(height) + 0.5) / height)[:, None, None]

@@ -14,6 +14,7 @@ from typing import Any
 
 import implicitrt as irt
 from implicitrt.errors import ArgumentError, Error
+from implicitrt.files import write_atomically
 
 __all__ = ["main"]
 
@@ -171,8 +172,8 @@ def _compare(args: argparse.Namespace) -> int:
     if output.suffix.lower() == ".csv":
         found.to_csv(output)
     elif output.suffix.lower() == ".md":
-        output.write_text(found.to_markdown() + "\n", encoding="utf-8")
-    elif found:
+        write_atomically(output, (found.to_markdown() + "\n").encode())
+    elif found or found.complete:
         found.plot(output)
     print(found)
     return 0 if found.complete else 130

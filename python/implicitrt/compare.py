@@ -7,16 +7,18 @@ import html
 import io
 import statistics
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from implicitrt.arguments import positive
 from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr, ExprLike, sympify
+from implicitrt.files import write_atomically
 from implicitrt.frame import Frame, Status
 from implicitrt.methods import methods as known_methods
 from implicitrt.reference import Reference, reference
@@ -79,7 +81,7 @@ class Comparison:
         writer.writerow([f.name for f in fields(Point)])
         writer.writerows([[getattr(p, f.name) for f in fields(Point)] for p in self.points])
         if path is not None:
-            Path(path).write_text(out.getvalue(), encoding="utf-8")
+            write_atomically(path, out.getvalue().encode())
         return out.getvalue()
 
     def to_markdown(self) -> str:
@@ -158,7 +160,9 @@ class Comparison:
             fontsize="small",
         )
         if path is not None:
-            figure.savefig(path, dpi=130)
+            picture = io.BytesIO()
+            figure.savefig(picture, dpi=130, format=Path(path).suffix.lower().lstrip(".") or "png")
+            write_atomically(path, picture.getvalue())
         return figure
 
 
@@ -181,14 +185,16 @@ def _list(value: Any, kinds: tuple[type, ...]) -> list[Any]:
     return [value] if isinstance(value, kinds) or not isinstance(value, Iterable) else list(value)
 
 
-def true_normals(f: Any, truth: Reference, camera: Any, size: tuple[int, int]) -> npt.NDArray[np.float64]:
+def true_normals(
+    f: Any, truth: Reference, camera: Any, size: tuple[int, int], params: Mapping[str, float] | None = None
+) -> npt.NDArray[np.float64]:
     """Unit gradients at the reference's points, towards the viewer; nan where there is none."""
     expr = f.expr if isinstance(f, NamedSurface) else sympify(f)
-    params = dict(f.params) if isinstance(f, NamedSurface) else {}
+    values = (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
     origins, directions = camera.rays(size)
     with np.errstate(all="ignore"):
         points = origins + np.where(truth.hit, truth.depth, np.nan)[..., None] * directions
-        parts = [_values(expr.diff(axis), points, params) for axis in "xyz"]
+        parts = [_values(expr.diff(axis), points, values) for axis in "xyz"]
         gradient = np.stack(parts, axis=-1)
         gradient /= np.linalg.norm(gradient, axis=-1, keepdims=True)
         towards = -np.sign((gradient * directions).sum(-1, keepdims=True))
@@ -257,6 +263,7 @@ def compare(
     device: str | None = None,
     *,
     bounds: Any = None,
+    params: Mapping[str, float] | None = None,
     runs: int = 5,
     precision: str = "auto",
     rounding: str = "outward",
@@ -269,7 +276,7 @@ def compare(
         methods: names of `methods()`, default all of them.
         eps: a number or several, in units of distance.
         size: of the pictures, (width, height).
-        bounds: as in `render`, for all of the formulas.
+        bounds, params: as in `render`, for all of the formulas.
         runs: timed frames of each point, whose median counts; two more go before them. Methods take turns.
         precision, rounding: as in `render`.
         progress: called with a line for each point; default: a line on standard error where that is a terminal.
@@ -281,22 +288,22 @@ def compare(
     Raises:
         ArgumentError, ExpressionError, DeviceError.
     """
-    if runs < 1:
-        raise ArgumentError(f"runs must be at least 1, not {runs}")
+    if not isinstance(runs, (int, np.integer)) or isinstance(runs, bool) or runs < 1:
+        raise ArgumentError(f"runs must be a whole number, at least 1, not {runs!r}")
+    widths = [positive(e, "eps") for e in _list(eps, (int, float, str))]
     if progress is None and sys.stderr.isatty():
 
         def progress(line: str) -> None:
             print(line, file=sys.stderr, flush=True)
 
     chosen = list(known_methods()) if methods is None else _list(methods, (str,))
-    widths = [float(e) for e in _list(eps, (int, float))]
     points: list[Point] = []
     used = device or ""
     try:
         for f in _list(formulas, (str, Expr, NamedSurface)):
             name, formula = _named(f)
             keywords: dict[str, Any] = {
-                "bounds": bounds, "size": size, "device": device, "precision": precision, "outputs": ("normal",),
+                "bounds": bounds, "params": params, "size": size, "device": device, "precision": precision, "outputs": ("normal",),
             }  # fmt: skip
             # One look at each ray and a gradient: what no root finder can go below.
             looks = [
@@ -305,8 +312,8 @@ def compare(
             ]
             limit = 1e3 * statistics.median(g.stats.seconds["kernel"] for g in looks[1:])
             used, camera = looks[0].stats.device, looks[0].camera
-            truth = reference(formula, bounds=bounds, size=size)
-            normals = true_normals(formula, truth, camera, size)
+            truth = reference(formula, bounds=bounds, size=size, params=params)
+            normals = true_normals(formula, truth, camera, size, params)
             for width in widths:
                 last, times, interrupted = _in_turns(formula, chosen, runs, {"eps": width, "rounding": rounding, **keywords})
                 for method, frame in last.items():

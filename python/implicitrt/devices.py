@@ -348,7 +348,7 @@ def _preference(device: Device) -> tuple[bool, bool, bool, int]:
 
 def _split_width(choice: str) -> tuple[str, int | None]:
     name, colon, width = choice.rpartition(":")
-    if colon and width.strip().isdigit():
+    if colon and width.strip().isdecimal():
         return name.strip(), int(width)
     return choice.strip(), None
 

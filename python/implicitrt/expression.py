@@ -413,14 +413,14 @@ def _parse_condition(text: str) -> Condition:
     return Condition(node)
 
 
-def check_parameter_names(wanted: list[str], given: Mapping[str, Any]) -> None:
-    """Raises ArgumentError unless `given` has a value for each wanted parameter, and no other."""
+def check_parameter_names(wanted: list[str], given: Mapping[str, Any], way: str = "NAME=...") -> None:
+    """Raises ArgumentError unless `given` has a value for each wanted parameter, and no other; `way`: how the call takes them."""
     import difflib
 
     for name in wanted:
         if name not in given:
             raise ArgumentError(
-                f"the parameter '{name}' has no value; give it as {name}=... (the formula's "
+                f"the parameter '{name}' has no value; give it as {way.replace('NAME', name)} (the formula's "
                 f"parameters: {', '.join(wanted)})"
             )
     for name in given:

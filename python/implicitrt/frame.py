@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -15,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from implicitrt.errors import ArgumentError
+from implicitrt.files import write_atomically
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -61,25 +60,6 @@ class Stats:
     wide: int = 0  # HITs whose bracket is wider than eps
     escalated: int = 0  # pixels redone in double, by the reference, or both
     by_reference: int = 0  # of these, those that the reference was asked about
-
-
-def _write_atomically(path: Path, data: bytes) -> None:
-    """All of the file or nothing: written beside it, then moved over it."""
-    try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent or ".", prefix=f".{path.name}-")
-    except OSError as error:  # which names the temporary file
-        raise type(error)(error.errno, error.strerror, str(path)) from None
-    try:
-        with os.fdopen(handle, "wb") as out:
-            out.write(data)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(temporary)
-        raise
 
 
 class Frame:
@@ -186,7 +166,7 @@ class Frame:
         file = Path(path)
         suffix = file.suffix.lower()
         if suffix == ".png":
-            _write_atomically(file, self._png())
+            write_atomically(file, self._png())
         elif suffix == ".npz":
             out = io.BytesIO()
             arrays = {"depth": self.depth, "uncertainty": self.uncertainty, "status": self.status}
@@ -197,7 +177,7 @@ class Frame:
             if self._pieces is not None:
                 arrays["pieces"] = self._pieces
             np.savez_compressed(out, **arrays, meta=np.array(repr(self._meta())))  # type: ignore[arg-type]
-            _write_atomically(file, out.getvalue())
+            write_atomically(file, out.getvalue())
         else:
             raise ArgumentError(f"a frame is saved as .png or .npz, not as '{file.name}'")
 

@@ -30,6 +30,12 @@ class Method:
     source: str
 
 
+def _algebra(given: Any) -> str:
+    if not isinstance(given, str) or given not in ("ia", "raa"):
+        raise ArgumentError(f'algebra must be "ia" or "raa", not {given!r}')
+    return str(given)
+
+
 @dataclass(frozen=True)
 class Bisection:
     """Bisection with an inclusion algebra, "ia" or "raa", and for "ia" with a `stack`; "ia", "raa" and "ia-stack" are its shorthand."""
@@ -38,9 +44,8 @@ class Bisection:
     stack: bool = False
 
     def __post_init__(self) -> None:
-        if self.algebra not in ("ia", "raa"):
-            raise ArgumentError(f'algebra must be "ia" or "raa", not {self.algebra!r}')
-        if self.stack not in (True, False):
+        object.__setattr__(self, "algebra", _algebra(self.algebra))
+        if not isinstance(self.stack, (bool, np.bool_)):
             raise ArgumentError(f"stack must be True or False, not {self.stack!r}")
         if self.stack and self.algebra != "ia":
             raise ArgumentError('bisection with a stack is there for algebra "ia" only')
@@ -62,7 +67,7 @@ class Contraction:
     beams: bool | None = None
 
     def __post_init__(self) -> None:
-        if self.beams not in (True, False, None):
+        if not isinstance(self.beams, (bool, np.bool_, type(None))):
             raise ArgumentError(f"beams must be True, False or None, not {self.beams!r}")
 
     @property
@@ -79,8 +84,7 @@ class Mitchell:
     algebra: str = "raa"
 
     def __post_init__(self) -> None:
-        if self.algebra not in ("ia", "raa"):
-            raise ArgumentError(f'algebra must be "ia" or "raa", not {self.algebra!r}')
+        object.__setattr__(self, "algebra", _algebra(self.algebra))
 
     @property
     def name(self) -> str:
@@ -120,9 +124,9 @@ class Marching:
     steps: int | None = None
 
     def __post_init__(self) -> None:
-        if self.test not in ("sign", "taylor"):
+        if not isinstance(self.test, str) or self.test not in ("sign", "taylor"):
             raise ArgumentError(f'test must be "sign" or "taylor", not {self.test!r}')
-        if self.adaptive not in (True, False):
+        if not isinstance(self.adaptive, (bool, np.bool_)):
             raise ArgumentError(f"adaptive must be True or False, not {self.adaptive!r}")
         checked_steps(self.steps)
 

@@ -10,12 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from implicitrt import _core
-from implicitrt.arguments import ray_batch, request_parameters, request_region, request_size
+from implicitrt.arguments import (
+    finite,
+    positive,
+    ray_batch,
+    request_camera,
+    request_parameters,
+    request_progress,
+    request_region,
+    request_size,
+)
 from implicitrt.camera import Camera
 from implicitrt.errors import ArgumentError
 from implicitrt.expression import ExprLike, sympify
 from implicitrt.frame import Status
-from implicitrt.surfaces import NamedSurface
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -32,7 +40,7 @@ class Reference:
     Attributes:
         kind: uint8, `Status`. MISS: proven. HIT: a zero where f changes its sign; nothing before it.
             TOUCH: a zero of even multiplicity, proven exactly (polynomials with rational
-            coefficients only). UNRESOLVED: not decided; the bracket is the piece that is open.
+            coefficients only). UNRESOLVED: not decided; the bracket is the piece that is open, all of the ray where the time limit came first.
         depth: float64; +inf for MISS, the middle of the bracket for HIT and TOUCH, its start for
             UNRESOLVED. In lengths of the ray's direction.
         bracket: (..., 2) float64; nan for MISS. For HIT and TOUCH at most 1.5e-12 |depth| wide (or
@@ -106,8 +114,8 @@ def reference(
         origins, directions, tmin, tmax: as in `trace`.
         time_limit: seconds after which the rays that are left stay UNRESOLVED.
         progress: called with the fraction done, some times a second.
-        ignored: `method`, `eps`, `device`, `precision`, `rounding`, `max_pieces`, `outputs` and colours may be given, so that
-            calls can be shared, and change nothing.
+        ignored: `method`, `eps`, `device`, `precision`, `rounding`, `max_pieces`, `steps`, `outputs`, `normals`, `antialias`, `previous` and colours
+            may be given, so that calls can be shared, and change nothing.
 
     Returns:
         a `Reference`.
@@ -134,26 +142,28 @@ def reference(
     expr = sympify(f)
     shape: tuple[int, ...]
     if origins is None:
+        if not (np.ndim(tmin) == np.ndim(tmax) == 0 and tmin == 0 and tmax == math.inf):
+            raise ArgumentError("tmin and tmax are for origins and directions; a camera's rays begin at its eye")
         region = request_region(f, bounds)
-        if camera is None:
-            camera = f.camera if isinstance(f, NamedSurface) and bounds is None else Camera.default(region)
-        if not isinstance(camera, Camera):
-            raise ArgumentError(f"camera must be an irt.Camera, not {camera!r}")
         width, height = request_size(size)
         shape = (height, width)
-        o, d = (a.reshape(-1, 3) for a in camera.framed(region).rays((width, height)))
+        o, d = (a.reshape(-1, 3) for a in request_camera(f, camera, region, (width, height)).rays((width, height)))
         near, far = np.zeros(len(o)), np.full(len(o), math.inf)
     else:
+        if camera is not None:
+            raise ArgumentError("give a camera, or origins and directions, not both")
         o, d, near, far, region = ray_batch(f, origins, directions, tmin, tmax, bounds)
         shape = (len(o),)
     values = request_parameters(f, expr, params, region)
     if isovalue is not None:
-        expr = expr - float(isovalue)
+        expr = expr - finite(isovalue, "isovalue")
     request = {
         "origins": o, "directions": d, "tmin": np.maximum(near, -1e300), "tmax": np.minimum(far, 1e300),
-        "params": values, "time_limit": time_limit, "progress": progress,
+        "params": values, "time_limit": None if time_limit is None else positive(time_limit, "time_limit"), "progress": request_progress(progress),
     } | region.request()  # fmt: skip
     result = _core.reference(expr._node, request)
+    unseen = (result["kind"] == Status.UNRESOLVED) & (_PRECISIONS[result["arithmetic"]] == "none")
+    result["lo"], result["hi"] = np.where(unseen, near, result["lo"]), np.where(unseen, far, result["hi"])
     return Reference(result, shape, time.perf_counter() - started)
 
 

@@ -10,7 +10,15 @@ from typing import Any
 import numpy as np
 
 from implicitrt import _core
-from implicitrt.arguments import color_of, one_of, parameter_names, request_region, request_size
+from implicitrt.arguments import (
+    color_of,
+    one_of,
+    parameter_names,
+    request_camera,
+    request_outputs,
+    request_region,
+    request_size,
+)
 from implicitrt.bounds import Bounds
 from implicitrt.camera import Camera, point
 from implicitrt.errors import ArgumentError, MethodError
@@ -66,7 +74,8 @@ def render(
             `SampledNewton`.
         eps: the width that a hit's bracket is to reach, in units of distance. Default: a thousandth
             of half the largest side of the bounds.
-        params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing.
+        params: values of the parameters of the formula and of `Clip`s. Changing them compiles nothing, but that a value may need what none before it did:
+            double precision, or contraction where it leaves much open that the frustum form decides else.
         device: part of a device's or driver's name; default: IMPLICITRT_DEVICE, else the best.
         precision: "single", "double", or "auto": single, and double for rays where single cannot reach eps; where it hardly
             could for any, double narrows down what single has found, or finds it. Where "auto" redoes more than 8 pixels, their depths may
@@ -106,21 +115,15 @@ def render(
     started = time.perf_counter()
     expr = sympify(f)
     region = request_region(f, bounds)
-    if camera is None:
-        camera = f.camera if isinstance(f, NamedSurface) and bounds is None else Camera.default(region)
-    if not isinstance(camera, Camera):
-        raise ArgumentError(f"camera must be an irt.Camera, not {camera!r}")
-    camera = camera.framed(region)
     width, height = request_size(size)
-    unknown = set(outputs) - {"rgb", "normal", "pieces"} if not isinstance(outputs, str) else {outputs}
-    if unknown:
-        raise ArgumentError(f'outputs is a collection of "rgb", "normal" and "pieces", not {outputs!r}')
+    camera = request_camera(f, camera, region, (width, height))
+    want = request_outputs(outputs)
     request, reason = finder_request(
         f, expr, region, method, eps, params, device, precision, rounding, isovalue, max_pieces, time_limit, progress,
         frames=True, steps=steps,
     )
     request |= {
-        "want": set(outputs),
+        "want": want,
         "neighbours": one_of(normals, "normals", ("gradient", "neighbours")) == "neighbours",
         "samples": _samples(antialias),
         "everywhere": antialias != "silhouette",
@@ -184,18 +187,16 @@ def kernel_source(
     outputs: Collection[str] = ("rgb", "normal"), params: Mapping[str, float] | None = None,
     bounds: Any = None, device: str | None = None, isovalue: float | None = None,
 ) -> str:  # fmt: skip
-    """The OpenCL C that `render` would run, readable; parameters need no values for it."""
+    """The OpenCL C that `render` would run first, readable; parameters need no values for it."""
     expr = sympify(f)
     region = request_region(f, bounds)
-    values = (
-        {n: 1.0 for n in parameter_names(expr, region)}
-        | (dict(f.params) if isinstance(f, NamedSurface) else {})
-        | dict(params or {})
-    )
-    request, _ = finder_request(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None)
+    if params is not None and not isinstance(params, Mapping):
+        raise ArgumentError(f"params must be a mapping of names to numbers, not {params!r}")
+    values = {n: 1.0 for n in parameter_names(expr, region)} | (dict(f.params) if isinstance(f, NamedSurface) else {}) | dict(params or {})
+    request, _ = finder_request(f, expr, region, method, None, values, device, precision, rounding, isovalue, None, None, None, frames=True)
     black = (0.0, 0.0, 0.0)
     request |= {
-        "want": set(outputs), "color": black, "back_color": black, "unresolved_color": black,
+        "want": request_outputs(outputs), "color": black, "back_color": black, "unresolved_color": black,
         "background": None, "light": None,
     }  # fmt: skip
     return _core.kernel_source(request["formula"], request)

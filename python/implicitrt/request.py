@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from implicitrt import _core
-from implicitrt.arguments import finite, one_of, positive, request_parameters
+from implicitrt.arguments import finite, one_of, positive, request_parameters, request_progress
 from implicitrt.bounds import Bounds
 from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, MethodError
@@ -43,17 +43,15 @@ def finder_request(
     if bounds.clips and not entry.clips:
         able = ", ".join(sorted(name for name, e in ENTRIES.items() if e.clips))
         raise MethodError(f"{entry.method.name} knows boxes, balls and half-spaces, not irt.Clip; {able} know it")
-    one_of(rounding, "rounding", ("outward", "fast"))
+    rounding = one_of(rounding, "rounding", ("outward", "fast"))
     if max_pieces is not None and not (isinstance(max_pieces, (int, np.integer)) and 0 < max_pieces < 2**31):
         raise ArgumentError(f"max_pieces must be a whole number from 1 to 2**31 - 1, not {max_pieces!r}")
-    if progress is not None and not callable(progress):
-        raise ArgumentError(f"progress must be a function of the fraction done, not {progress!r}")
     steps = _steps(entry, method, steps)
     width = bounds.default_eps if eps is None else positive(eps, "eps")
     asked = time.perf_counter()
     opened = open_device(device)
     opening = time.perf_counter() - asked
-    one_of(precision, "precision", ("auto", "single", "double"))
+    precision = one_of(precision, "precision", ("auto", "single", "double"))
     values = request_parameters(f, expr, params, bounds)
     first_eps = 0.0
     if precision == "auto":
@@ -92,7 +90,7 @@ def finder_request(
         # Enough for the shortest steps of the adaptive march.
         "max_pieces": int(max_pieces or (16 * steps + 4096 if steps else 0)),
         "time_limit": None if time_limit is None else positive(time_limit, "time_limit"),
-        "progress": progress,
+        "progress": request_progress(progress),
         "device": opened,
         "opening": opening,
     } | bounds.request()

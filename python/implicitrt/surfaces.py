@@ -8,6 +8,7 @@ import importlib.resources
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from implicitrt.bounds import Bounds
@@ -67,7 +68,7 @@ class _Surfaces(Mapping[str, NamedSurface]):
     def __getitem__(self, name: str) -> NamedSurface:
         try:
             return self._entries[name]
-        except KeyError:
+        except (KeyError, TypeError):
             close = difflib.get_close_matches(str(name), self._entries, 3)
             hint = f" (did you mean {' or '.join(close)}?)" if close else ""
             raise _UnknownSurface(f"no surface is named '{name}'{hint}; `implicitrt list` shows all of them") from None
@@ -93,8 +94,8 @@ def _surface(entry: dict[str, Any]) -> NamedSurface:
     return NamedSurface(
         name=entry["name"],
         formula=entry["formula"],
-        constants=entry.get("constants", {}),
-        params=entry.get("params", {}),
+        constants=MappingProxyType(entry.get("constants", {})),
+        params=MappingProxyType(entry.get("params", {})),
         bounds=Bounds.of(tuple(tuple(side) for side in entry["bounds"])),
         camera=Camera(entry["eye"], entry["target"], entry["up"], entry["fov"]),
         degree=entry["degree"],

@@ -91,7 +91,7 @@ def _band(mask: npt.NDArray[np.bool_], pixels: int) -> npt.NDArray[np.bool_]:
     """The pixels within `pixels` of a change of the mask."""
     band = np.zeros_like(mask)
     for axis in (0, 1):
-        for step in range(1, pixels + 1):
+        for step in range(1, min(pixels, mask.shape[axis] - 1) + 1):
             change = np.take(mask, range(step, mask.shape[axis]), axis) != np.take(
                 mask, range(mask.shape[axis] - step), axis
             )
@@ -126,6 +126,8 @@ def assert_matches(
     The error says how many pixels differ in mask, depth and normals, where the worst is, and by how
     much.
     """
+    if not depth >= 0 or not (normal is None or normal >= 0):
+        raise ArgumentError(f"depth and normal are the largest differences allowed, not {depth!r} and {normal!r}")
     if frame.depth.shape != reference.depth.shape:
         raise AssertionError(f"the frames have different sizes: {frame.depth.shape} and {reference.depth.shape}")
     compared = ~_band(reference.hit, silhouette)

@@ -51,6 +51,38 @@ def test_the_default_camera_has_the_bounds_in_view() -> None:
     assert np.allclose(-forward, np.array([0.48, 0.36, 0.8]) / np.linalg.norm([0.48, 0.36, 0.8]))
 
 
+@pytest.mark.parametrize("size", [(8, 32), (32, 32), (32, 8)])
+@pytest.mark.parametrize("camera", [None, irt.Camera((0, 0, 5), projection="orthographic")])
+def test_the_bounds_are_in_view_at_every_aspect(camera: irt.Camera | None, size: tuple[int, int]) -> None:
+    """A sphere a little larger than that of the bounds would be cut by the edges of the picture, one a little smaller is not."""
+    frame = irt.render("x^2 + y^2 + z^2 - 1", bounds=irt.Sphere((0, 0, 0), 1.01), camera=camera, size=size)
+    edges = frame.hit[0].any(), frame.hit[-1].any(), frame.hit[:, 0].any(), frame.hit[:, -1].any()
+    wide = size[0] >= size[1]
+    assert edges[2:] == (False, False) or not wide or size[0] == size[1]
+    assert edges[:2] == (False, False) or wide
+    assert frame.hit.any() and frame.hit.sum() < 0.9 * min(size) ** 2
+
+
+def test_a_named_surface_has_its_camera_whatever_the_bounds() -> None:
+    torus = irt.surfaces["torus"]
+    assert irt.render(torus, bounds=1, size=(8, 6)).camera == torus.camera
+    assert np.array_equal(irt.render(torus, bounds=1, size=(8, 6)).hit, irt.reference(torus, bounds=1, size=(8, 6)).hit)
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.3, 0.1, 0.9)])
+def test_the_up_that_is_proposed_will_do(axis: tuple[float, float, float]) -> None:
+    with pytest.raises(irt.ArgumentError, match="parallel") as error:
+        irt.Camera(axis, up=axis)
+    other = str(error.value).rpartition("such as (")[2].rstrip(")").split(", ")
+    irt.Camera(axis, up=[float(c) for c in other])
+
+
+@pytest.mark.parametrize("size", [None, (2.5, 2), (-2, 2), 3])
+def test_rays_are_of_whole_pixels(size: object) -> None:
+    with pytest.raises(irt.ArgumentError, match="size"):
+        irt.Camera((0, 0, 1)).rays(size)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -64,6 +96,7 @@ def test_the_default_camera_has_the_bounds_in_view() -> None:
         ({"origin": (0, 0, 1e20)}, "1e15"),
         ({"origin": (0, 1)}, "three numbers"),
         ({"origin": (0, 0, 1), "projection": "fisheye"}, "projection"),
+        ({"origin": (0, 0, 1), "projection": np.zeros(3)}, "projection"),
         ({"origin": (0, 0, 1), "height": -1}, "height"),
     ],
 )

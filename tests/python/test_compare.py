@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import implicitrt as irt
@@ -69,8 +71,33 @@ def test_bad_arguments() -> None:
         irt.compare("sphere", ["rai"], size=(8, 8))
     with pytest.raises(irt.ArgumentError, match="runs"):
         irt.compare("sphere", runs=0)
+    for eps in ("a", [None], 10**400, 0):
+        with pytest.raises(irt.ArgumentError, match="eps"):
+            irt.compare("sphere", eps=eps, size=(8, 8))
+    for runs in ("a", 2.5, np.nan, True):
+        with pytest.raises(irt.ArgumentError, match="runs"):
+            irt.compare("sphere", runs=runs, size=(8, 8))  # type: ignore[arg-type]
     with pytest.raises(irt.ExpressionError):
         irt.compare("sphere + )", size=(8, 8))
+
+
+def test_parameters() -> None:
+    call = {"methods": ["contract"], "eps": 1e-2, "size": (16, 16), "runs": 1}
+    (point,) = irt.compare("x^2 + y^2 + z^2 - a", params={"a": 1}, **call)
+    assert point.wrong_misses == point.wrong_hits == 0 and point.largest_error < 1e-2
+    with pytest.raises(irt.ArgumentError, match="params"):
+        irt.compare("x^2 + y^2 + z^2 - a", **call)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.svg"])
+def test_files_are_whole_or_not_there(chart: irt.Comparison, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space"):
+        (chart.to_csv if name.endswith("csv") else chart.plot)(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -81,3 +108,4 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     )
     assert "| sphere | raa |" in out.read_text() and "sphere" in capsys.readouterr().out
     assert main(["compare", "sphere", "-o", str(tmp_path / "chart.txt")]) == 1
+    assert main(["compare", "sin(x)", "-o", str(tmp_path / "none.png"), "--methods", "frustum-lr", "--size", "8", "--runs", "1"]) == 1

@@ -37,7 +37,8 @@ def test_as_numpy_array(frame: irt.Frame) -> None:
 
 def test_npz_has_everything(tmp_path: Path) -> None:
     clip = irt.Clip("x - 1/10")
-    made = irt.render("x^2 + y^2 + z^2 - 1", [2, clip], size=(4, 4), method="raa", outputs=("normal", "pieces"))
+    camera = irt.Camera((0, 0, 5), projection=np.str_("orthographic"))
+    made = irt.render("x^2 + y^2 + z^2 - 1", [2, clip], camera, (4, 4), irt.Bisection(np.str_("raa")), rounding=np.str_("outward"), outputs=("normal", "pieces"))
     made.save(tmp_path / "a.npz")
     stored = np.load(tmp_path / "a.npz")
     assert set(stored) == {"depth", "uncertainty", "status", "normal", "pieces", "meta"}
@@ -49,6 +50,16 @@ def test_unwritable_files_are_named(frame: irt.Frame, tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError) as error:
         frame.save(tmp_path / "nowhere" / "a.png")
     assert error.value.filename == str(tmp_path / "nowhere" / "a.png")
+
+
+def test_long_names_and_links(frame: irt.Frame, tmp_path: Path) -> None:
+    long = tmp_path / ("a" * 251 + ".png")
+    frame.save(long)
+    link = tmp_path / "link.png"
+    link.symlink_to(long)
+    long.write_bytes(b"")
+    frame.save(link)
+    assert link.is_symlink() and long.read_bytes()[:4] == b"\x89PNG"
 
 
 def test_counts_and_repr(frame: irt.Frame) -> None:

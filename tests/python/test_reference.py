@@ -98,7 +98,8 @@ def test_time_limit_and_progress() -> None:
     seen: list[float] = []
     found = irt.reference(irt.surfaces["superquadric_200"], size=(64, 64), time_limit=0.2, progress=seen.append)
     assert (found.precision == "none").any() and seen and found.seconds < 5
-    assert (found.kind[found.precision == "none"] == Status.UNRESOLVED).all()
+    unseen = found.precision == "none"
+    assert (found.kind[unseen] == Status.UNRESOLVED).all() and (found.bracket[unseen] == (0, np.inf)).all()
 
     def stop(fraction: float) -> None:
         raise KeyboardInterrupt
@@ -115,6 +116,13 @@ def test_time_limit_and_progress() -> None:
         (("x", (0, 0, 1), (0, 0, 1)), {}),
         (("x",), {"origins": (0, 0, 1)}),
         (("x",), {"nonsense": 1}),
+        (("x",), {"isovalue": "a"}),
+        (("x",), {"isovalue": math.nan}),
+        (("x",), {"time_limit": "soon"}),
+        (("x",), {"time_limit": 0}),
+        (("x",), {"progress": 5}),
+        (("x",), {"tmin": 1}),
+        (("x", (0, 0, 1), (0, 0, -1)), {"bounds": 1, "camera": irt.Camera((0, 0, 1))}),
         (("x", 2, None, (4, 4), 5), {}),
     ],
 )

@@ -212,7 +212,17 @@ def test_trace_shapes() -> None:
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
-        (lambda: irt.render("x^2 + a", size=(4, 4)), irt.ArgumentError, "'a' has no value"),
+        (lambda: irt.render("x^2 + a", size=(4, 4)), irt.ArgumentError, "'a' has no value; give it as params={'a': ...}"),
+        (lambda: irt.render("x", outputs=None), irt.ArgumentError, "outputs"),
+        (lambda: irt.kernel_source("x", outputs=("nonsense",)), irt.ArgumentError, "outputs"),
+        (lambda: irt.kernel_source("x", outputs=(1,)), irt.ArgumentError, "outputs"),
+        (lambda: irt.kernel_source("x", params=5), irt.ArgumentError, "params"),
+        (lambda: irt.render("x", method=irt.Bisection(np.zeros(3))), irt.ArgumentError, "algebra"),
+        (lambda: irt.render("x", method=irt.Contraction(np.zeros(3))), irt.ArgumentError, "beams"),
+        (lambda: irt.render("x", device="pocl:²"), irt.DeviceError, "pocl"),
+        (lambda: irt.surfaces[[1]], irt.ArgumentError, "no surface"),
+        (lambda: irt.trace("x", (0, 0, 3), (0, 0, -1e30), bounds=2), irt.ArgumentError, "direction is 1e"),
+        (lambda: irt.trace("x", (0, 0, 1e25), (0, 0, -1), bounds=2), irt.ArgumentError, "away from the bounds"),
         (lambda: irt.render("a*x", params={"b": 1, "a": 1}), irt.ArgumentError, "unknown parameter 'b'"),
         (lambda: irt.render("a*x", params={"a": math.nan}), irt.ArgumentError, "finite"),
         (lambda: irt.render("x", method="rai"), irt.ArgumentError, "'raa'"),
@@ -266,6 +276,12 @@ def test_save(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.npz", "a.png"]
     assert np.asarray(frame).shape == (10, 20, 3)
     assert frame._repr_png_()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize("formula", ["x^2 + y^2 + z^2 - 1", "sin(x) - y"])
+def test_kernel_source_is_of_what_render_takes(formula: str) -> None:
+    taken = irt.render(formula, size=(4, 4)).stats.method
+    assert irt.kernel_source(formula) == irt.kernel_source(formula, method=taken)
 
 
 def test_kernel_source_is_readable_and_minimal() -> None:

@@ -30,6 +30,14 @@ def test_missing_normals_and_open_pixels_do_not_match(tmp_path: Path) -> None:
             assert_matches(worse, good, save=tmp_path)
 
 
+def test_tolerances_are_numbers_and_bands_may_be_wide() -> None:
+    frame = _render("x^2 + y^2 + z^2 - 1")
+    irt.testing.assert_matches(frame, frame, silhouette=100)
+    for wrong in ({"depth": float("nan")}, {"normal": -1}):
+        with pytest.raises(irt.ArgumentError, match="largest differences"):
+            assert_matches(frame, frame, **wrong)
+
+
 def test_sphere() -> None:
     assert_matches(_render("x^2 + y^2 + z^2 - 1"), mitsuba_frame({"s": {"type": "sphere"}}, CAMERA, SIZE))
 
