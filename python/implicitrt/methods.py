@@ -21,7 +21,7 @@ __all__ = ["Analytic", "Bisection", "Contraction", "CsgAnalytic", "Marching", "M
 
 @dataclass(frozen=True)
 class Method:
-    """A root finder: what it accepts, what it guarantees ("inclusion", "numerical", "sampled")."""
+    """A root finder: what it accepts, what it guarantees ("inclusion", "numerical", "sampled"), and which options of calls and of its class change what it does."""
 
     name: str
     accepts: str
@@ -198,6 +198,7 @@ _FRUSTUM_FINDERS = {
 }
 
 _INCLUSION_OPTIONS = ("eps", "max_pieces")
+_BISECTION_OPTIONS = (*_INCLUSION_OPTIONS, "algebra", "stack")
 _FRUSTUM_OPTIONS = (*_INCLUSION_OPTIONS, "previous")
 _SAMPLED_OPTIONS = ("eps", "steps", "max_pieces")
 
@@ -209,27 +210,27 @@ ADAPTIVE_STEPS = 100  # and 24 to 100
 ENTRIES = MappingProxyType({
     e.method.name: e
     for e in (
-        Entry(Method("ia", "every formula", "inclusion", _INCLUSION_OPTIONS,
+        Entry(Method("ia", "every formula", "inclusion", _BISECTION_OPTIONS,
                      "S1 section 4.2: stackless bisection by interval arithmetic"), "bisection", "ia", True),
-        Entry(Method("raa", "every formula", "inclusion", _INCLUSION_OPTIONS,
+        Entry(Method("raa", "every formula", "inclusion", _BISECTION_OPTIONS,
                      "S1 section 4.3: stackless bisection by reduced affine arithmetic"), "bisection", "raa", True),
-        Entry(Method("ia-stack", "every formula", "inclusion", _INCLUSION_OPTIONS,
+        Entry(Method("ia-stack", "every formula", "inclusion", _BISECTION_OPTIONS,
                      "S4 section 3.1.2: bisection by interval arithmetic with a stack, to compare"), "ia_stack", "ia", True),
-        Entry(Method("contract", "every formula", "inclusion", _INCLUSION_OPTIONS,
+        Entry(Method("contract", "every formula", "inclusion", (*_INCLUSION_OPTIONS, "beams"),
                      "ours: a march that cuts away what the affine form excludes (docs/architecture.md)"), "contract", "raa", True),
         Entry(Method("mitchell", "every formula", "inclusion", (*_INCLUSION_OPTIONS, "algebra"),
                      "S3: roots isolated by enclosures of f and of its derivative along the ray, then Newton steps"), "mitchell", "raa", True),
-        *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z up to degree 32", "inclusion", _FRUSTUM_OPTIONS,
+        *(Entry(Method(f"frustum-{name}", "polynomials in x, y, z of degree 1 to 32", "inclusion", _FRUSTUM_OPTIONS,
                        f"S2 section 4.2: {what}"), f"frustum_{name.replace('-', '_')}", "raa", True)
           for name, what in _FRUSTUM_FINDERS.items()),
-        Entry(Method("frustum-newton", "polynomials in x, y, z up to degree 32", "inclusion", _FRUSTUM_OPTIONS,
+        Entry(Method("frustum-newton", "polynomials in x, y, z of degree 1 to 32", "inclusion", _FRUSTUM_OPTIONS,
                      "ours, on the frustum form of S2 section 3: cutting at valleys until a root stands alone, then evaluations only"),
               "frustum_newton", "raa", True),
         Entry(Method("analytic", "polynomials in x, y, z up to degree 4", "numerical", (),
                      "S3, S4 section 3.1.1: closed forms along the ray"), "analytic", "raa", False, "coefficients", closed_polynomial),
         Entry(Method("csg-analytic", "polynomials up to degree 4 under Min, Max and R-functions", "numerical", (),
                      "S4 section 4.1.2: closed forms of the leaves, the tree decides"), "csg_analytic", "raa", False, "coefficients", set_form),
-        *(Entry(Method(f"{kind}-{test}", "every formula", "sampled", _SAMPLED_OPTIONS, f"S3: {what} points, {test.title()} test"),
+        *(Entry(Method(f"{kind}-{test}", "every formula", "sampled", (*_SAMPLED_OPTIONS, "test", "adaptive"), f"S3: {what} points, {test.title()} test"),
                 "marching", "point", True, reads, defines=defines, steps=steps)
           for kind, test, what, reads, defines, steps in (
               ("marching", "sign", "marching", "slopes", (), FIXED_STEPS),
@@ -245,7 +246,7 @@ ENTRIES = MappingProxyType({
 
 _METHODS = MappingProxyType(
     {name: e.method for name, e in ENTRIES.items()}
-    | {"auto": Method("auto", "every formula", "inclusion", _INCLUSION_OPTIONS,
+    | {"auto": Method("auto", "every formula", "inclusion", _FRUSTUM_OPTIONS,
                       "contract, ia for planes, frames of polynomials by frustum-newton; see explain")}
 )  # fmt: skip
 
