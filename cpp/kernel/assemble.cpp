@@ -19,11 +19,6 @@ namespace {
 
 using program::Precision;
 
-// Symbols become comments only if they are identifiers: nothing that a user writes can leave the comment.
-bool identifier(const std::string& name) {
-  return !name.empty() && name.size() <= limits::kIdentifierLength && std::all_of(name.begin(), name.end(), program::in_name);
-}
-
 // What packets, precision and outputs need.
 std::string prelude(const Spec& spec) {
   const bool wide = spec.precision == Precision::Double;
@@ -90,9 +85,9 @@ std::string parameters_of(const program::Program& program, const Spec& spec) {
                               "#define REGION_OUT , &outside, &inside\n#define REGION_VARIABLES I outside, inside;\n"
                             : "#define REGION_PARAMETERS\n#define REGION_PASS\n#define REGION_OUT\n"
                               "#define REGION_VARIABLES const I outside = NONE, inside = ALL;\n";
+  // Numbered, not named: a formula whose parameters have other names is the same kernel.
   for (std::size_t i = 0; i < program.parameters.size(); ++i)
-    text += fmt::format("// p[{}], p[{}]: bounds of {}\n", 2 * i, 2 * i + 1,
-                        identifier(program.parameters[i]) ? program.parameters[i] : "a parameter");
+    text += fmt::format("// p[{}], p[{}]: bounds of parameter {} in the order of names\n", 2 * i, 2 * i + 1, i);
   if (program.isovalue) text += fmt::format("// p[{}], p[{}]: bounds of the isovalue\n", 2 * program.parameters.size(), 2 * program.parameters.size() + 1);
   return text;
 }

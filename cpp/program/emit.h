@@ -1,7 +1,7 @@
 // Emitters: programs to OpenCL C functions, one emitter for each algebra.
 //
 // The functions use only the macros of kernels/packet.cl, so that one text serves all packet widths and precisions of
-// one `real`. User text never reaches the source but in comments, after the identifier rule.
+// one `real`. User text never reaches the source, not even comments: symbols are numbered.
 #pragma once
 
 #include <set>

@@ -133,11 +133,22 @@ def test_moving_a_region_compiles_nothing() -> None:
     assert second.params == {"h": 0.5} and second.bounds.half_spaces[0].offset == 0.9
 
 
+def test_renaming_parameters_compiles_nothing() -> None:
+    """Names are no part of a kernel's source: symbols are numbered."""
+    builds = []
+    for a, h in (("gap", "hue"), ("quux", "secret_name")):
+        call: dict[str, Any] = {"bounds": [2, Clip(f"x - 3*{h}")], "params": {a: 0.5, h: 0.1}, "size": (8, 8)}
+        builds.append(irt.render(f"x*y + {a}*z + 1/7", method="contract", **call).stats.builds)
+        source = irt.kernel_source(f"x*y + {a}*z + 1/7", method="contract", bounds=call["bounds"])
+        assert a not in source and h not in source
+    assert builds == [1, 0]
+
+
 def test_kernels_hold_only_the_regions_in_use() -> None:
     plain = irt.kernel_source(SPHERE)
     assert "*outside" not in plain.split("enclosure_")[0] and "#define IRT_HALF_SPACES 0" in plain
     cut = irt.kernel_source(SPHERE, bounds=[2, Clip("sin(x) - h"), HalfSpace((1, 0, 0), 0)])
-    assert "ia_sin" in cut and "bounds of h" in cut and "#define IRT_HALF_SPACES 1" in cut
+    assert "ia_sin" in cut and "bounds of parameter 0" in cut and "#define IRT_HALF_SPACES 1" in cut
 
 
 def test_bounds_with_regions() -> None:

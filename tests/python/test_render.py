@@ -288,7 +288,7 @@ def test_kernel_source_is_readable_and_minimal() -> None:
     source = irt.kernel_source("a*x^2 + y", method="ia", outputs=())
     assert "#pragma OPENCL FP_CONTRACT OFF" in source
     assert (
-        "bounds of a" in source and "ra_mul" not in source and "irt_gradient(F" not in source and "encode" not in source
+        "bounds of parameter 0" in source and "ra_mul" not in source and "irt_gradient(F" not in source and "encode" not in source
     )
     assert "native_" not in source
 
