@@ -95,6 +95,7 @@ void bind_expr(py::module_& m) {
   m.def("call", [](const std::string& op, const std::vector<Expr>& args) { return call(op_of(op), args); }, py::arg("op"), py::arg("args"),
         "An operator from its arguments, in canonical form.");
   m.def("parse", &parse, py::arg("text"), free, "The formula that a text is.");
+  m.def("postorder", &postorder, py::arg("node"), free, "Every distinct part once, arguments before their users.");
   m.def("free_symbols", &free_symbols, py::arg("node"), free, "The names of the symbols.");
   m.def("substitute", &substitute, py::arg("node"), py::arg("pairs"), free, "Replaces sub-trees, all at once.");
   m.def("differentiate", &differentiate, py::arg("node"), py::arg("symbol"), free, "The derivative.");

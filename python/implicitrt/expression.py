@@ -57,6 +57,12 @@ class _Tree:
     def __deepcopy__(self, memo: dict[int, object]) -> _Tree:
         return self
 
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[list[tuple[str, Any]]]]:
+        # By structure, each distinct part once and behind its arguments: text is read to a certain depth only, and trees may be deeper.
+        nodes = _core.postorder(self._node)
+        index = {node: i for i, node in enumerate(nodes)}
+        return _from_parts, ([_part(node, index) for node in nodes],)
+
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self._node.latex()}$"
 
@@ -155,9 +161,6 @@ class Expr(_Tree):
     def __init__(self, value: Any) -> None:
         node = value if isinstance(value, _core.Node) else sympify(value)._node
         object.__setattr__(self, "_node", node)
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[str]]:
-        return parse, (str(self),)
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Expr):
@@ -318,9 +321,6 @@ class Condition(_Tree):
     def __init__(self, node: _core.Node) -> None:
         object.__setattr__(self, "_node", node)
 
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[str]]:
-        return _parse_condition, (str(self),)
-
     def __eq__(self, other: object) -> bool:
         return self._node == other._node if isinstance(other, Condition) else NotImplemented
 
@@ -408,9 +408,24 @@ def _is_sympy(value: Any) -> bool:
     return any((t.__module__ or "").split(".")[0] == "sympy" for t in type(value).__mro__)
 
 
-def _parse_condition(text: str) -> Condition:
-    node = _core.parse(text)
-    return Condition(node)
+def _part(node: _core.Node, index: Mapping[_core.Node, int]) -> tuple[str, Any]:
+    """A node for pickles: its operator, and its ratio, its name or the numbers of its arguments."""
+    if node.op == "Number":
+        return node.op, node.ratio()
+    return node.op, node.name if node.op == "Symbol" else tuple(index[a] for a in node.args)
+
+
+def _from_parts(parts: list[tuple[str, Any]]) -> Any:
+    """The tree of a pickle, by the constructors that built it."""
+    nodes: list[_core.Node] = []
+    for op, what in parts:
+        if op == "Number":
+            nodes.append(_core.rational(*what))
+        elif op == "Symbol":
+            nodes.append(_core.symbol(what))
+        else:
+            nodes.append(_core.call(op, [nodes[i] for i in what]))
+    return _wrap(nodes[-1])
 
 
 def check_parameter_names(wanted: list[str], given: Mapping[str, Any], way: str = "NAME=...") -> None:
@@ -500,7 +515,7 @@ def symbols(names: str) -> Any:
 
 
 def symbol_node(name: str) -> _core.Node:
-    """The symbol of that name, which must parse back: str, repr and pickle go by text."""
+    """The symbol of that name, which must parse back from str and repr."""
     node = _core.symbol(name)
     try:
         if node.op == "Symbol" and _core.parse(name) == node:

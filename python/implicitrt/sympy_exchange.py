@@ -20,15 +20,7 @@ def to_sympy(tree: Expr | Condition) -> Any:
     import sympy
 
     done: dict[_core.Node, Any] = {}
-    stack = [(tree._node, False)]
-    while stack:
-        node, ready = stack.pop()
-        if node in done:
-            continue
-        if not ready:
-            stack.append((node, True))
-            stack.extend((a, False) for a in node.args)
-            continue
+    for node in _core.postorder(tree._node):
         try:
             done[node] = _one_to_sympy(sympy, node, [done[a] for a in node.args])
         except RecursionError:

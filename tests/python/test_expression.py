@@ -6,8 +6,10 @@ import copy
 import pickle
 import subprocess
 import sys
+from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,6 +81,31 @@ def test_str_and_repr_parse_back(data) -> None:
     assert copy.deepcopy(f) is f
     assert f._repr_latex_().startswith("$")
     assert f.func(*f.args) == f
+
+
+def _nested(f: Callable[[irt.Expr], irt.Expr], times: int) -> irt.Expr:
+    e = x
+    for _ in range(times):
+        e = f(e)
+    return e
+
+
+@pytest.mark.parametrize(
+    "e",
+    [
+        _nested(irt.sin, 100_000),
+        _nested(lambda b: b**2 + y, 1000),
+        _nested(lambda b: irt.Max(irt.Min(b, y), z), 500),
+        _nested(lambda b: b * (b + 1), 60),  # text would be 2^60 characters long
+        _nested(lambda b: irt.Piecewise((b, (b < y) | (y > 3)), (z, True)), 500),
+        irt.Rational("1e15000"),
+        x < y,
+        2 * (x + y) - (x + y) + z,
+    ],
+    ids=range(8),
+)
+def test_pickles_of_whatever_can_be_built(e: Any) -> None:
+    assert pickle.loads(pickle.dumps(e)) == e
 
 
 @settings(max_examples=100, deadline=None)
