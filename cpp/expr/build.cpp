@@ -158,7 +158,8 @@ static void check_bits(const mpq_class& q) {
   if (bits(q) > limits::kNumberBits) throw LimitError(fmt::format("a number in the formula has {} bits; the limit is {}", bits(q), limits::kNumberBits));
 }
 
-Expr add(std::span<const Expr> terms) {
+// The terms with like ones collected, in order; a sum whose coefficient has become 1 is among them as it is.
+static std::vector<Expr> collected(std::span<const Expr> terms) {
   mpq_class constant = 0;
   std::vector<Expr> order;
   std::unordered_map<Expr, mpq_class, ExprHash> coefficient;
@@ -198,6 +199,13 @@ Expr add(std::span<const Expr> terms) {
   for (Term& t : terms_kept) kept.push_back(std::move(t.whole));
   check_bits(constant);
   if (sgn(constant) != 0) kept.push_back(number(constant));
+  return kept;
+}
+
+Expr add(std::span<const Expr> terms) {
+  std::vector<Expr> kept = collected(terms);
+  // 2 (x + y) - (x + y) + z is x + y + z.
+  while (std::ranges::any_of(kept, [](const Expr& e) { return e.op() == Op::Add; })) kept = collected(kept);
   if (kept.empty()) return Expr(0L);
   if (kept.size() == 1) return kept[0];
   return Store::make(Op::Add, std::move(kept));
