@@ -161,10 +161,11 @@ class Parser {
                                                  : fmt::format("expected '{}', found '{}'", s, peek().text));
   }
 
+  // One level of what opens at a column: parentheses, a call, a root or an exponent. All recursion leads through one.
   struct Deeper {
-    explicit Deeper(Parser& p) : parser(p) {
+    Deeper(Parser& p, std::size_t column) : parser(p) {
       if (++parser.depth_ > limits::kParseDepth)
-        throw LimitError(fmt::format("the formula is nested deeper than {} levels at column {}", limits::kParseDepth, parser.peek().column));
+        throw LimitError(fmt::format("level {} of parentheses, calls and exponents in one another at column {}; the limit is {}", parser.depth_, column, limits::kParseDepth));
     }
     ~Deeper() { --parser.depth_; }
     Parser& parser;
@@ -180,7 +181,6 @@ class Parser {
   }
 
   Expr condition() {
-    const Deeper deeper(*this);
     const std::size_t column = peek().column;
     Expr left = sum();
     if (!comparison(peek())) return left;
@@ -242,7 +242,6 @@ class Parser {
   }
 
   Expr power() {
-    const Deeper deeper(*this);
     const std::size_t column = peek().column;
     Expr base = atom();
     if (sign("^2") || sign("^3")) {
@@ -250,7 +249,7 @@ class Parser {
       if (sign("^2") || sign("^3")) fail(peek().column, "a superscript after a superscript", "write larger powers as x^23 or x**23");
     }
     if (!sign("^")) return base;
-    ++at_;
+    const Deeper deeper(*this, next().column);
     const std::size_t exponent_column = peek().column;
     const Expr exponent = value(unary(), exponent_column);
     try {
@@ -265,11 +264,12 @@ class Parser {
     if (token.kind == Kind::Number) return decimal(token);
     if (token.kind == Kind::Name) return sign("(") && (!peek().spaced || is_function(meant(token.text))) ? function(token) : name(token);
     if (token.kind == Kind::Sign && token.text == "sqrt") {
+      const Deeper deeper(*this, token.column);
       const std::size_t column = peek().column;
-      const Deeper deeper(*this);
       return sqrt(value(atom(), column));
     }
     if (token.kind == Kind::Sign && token.text == "(") {
+      const Deeper deeper(*this, token.column);
       Expr e = condition();
       expect(")");
       return e;
@@ -323,7 +323,7 @@ class Parser {
   }
 
   Expr function(const Token& token) {
-    const Deeper deeper(*this);
+    const Deeper deeper(*this, token.column);
     const std::string known = meant(token.text);
     if (!is_function(known)) unknown_function(token);
     expect("(");
@@ -350,7 +350,7 @@ class Parser {
   // (value, condition)
   void pair(std::vector<Expr>& args) {
     if (!sign("(")) fail(peek().column, "Piecewise takes pairs (value, condition)");
-    ++at_;
+    const Deeper deeper(*this, next().column);
     args.push_back(condition());
     expect(",");
     args.push_back(condition());

@@ -51,16 +51,17 @@ TEST(Caps, Nodes) {
 }
 
 TEST(Caps, ParseDepth) {
-  // The innermost name is a level, and each pair of parentheses two: what is in it, and the sum that it may be.
-  std::size_t most = 0;
-  for (std::size_t n = limits::kParseDepth / 2 - 4; n <= limits::kParseDepth; ++n) try {
-      parse(nested(n));
-      most = n;
-    } catch (const LimitError&) {
-      break;
-    }
-  EXPECT_GE(most, limits::kParseDepth / 2 - 2);
-  EXPECT_LT(most, limits::kParseDepth);
+  const auto repeated = [](const char* text, std::size_t n) {
+    std::string all;
+    while (n--) all += text;
+    return all;
+  };
+  at_and_past([](std::size_t n) { parse(nested(n)); }, limits::kParseDepth);
+  at_and_past([&](std::size_t n) { parse(repeated("sin(", n) + "x" + repeated(")", n)); }, limits::kParseDepth);
+  at_and_past([&](std::size_t n) { parse("x" + repeated("^x", n)); }, limits::kParseDepth);
+  at_and_past([&](std::size_t n) { parse(repeated("\u221a", n) + "x"); }, limits::kParseDepth);
+  // Pairs have parentheses of their own.
+  at_and_past([&](std::size_t n) { parse(repeated("Piecewise((", n) + "x" + repeated(", x < 1), (0, True))", n)); }, limits::kParseDepth / 2);
 }
 
 TEST(Caps, PrintDepth) {
