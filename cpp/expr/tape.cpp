@@ -16,7 +16,13 @@ namespace {
 constexpr std::size_t kBlock = 256;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+// Where something is undefined, it and what is made of it are nan: infinity is what is too large, never a division by zero.
+// Conditions are 1, 0, or nan where they compare what is undefined.
+bool undefined(double a) { return std::isnan(a); }
+bool undefined(double a, double b) { return std::isnan(a) || std::isnan(b); }
+
 double integer_power(double v, long n) {
+  if (v == 0 && n < 0) return kNan;
   double r = 1, square = v;
   for (unsigned long m = static_cast<unsigned long>(std::labs(n)); m; m >>= 1, square *= square)
     if (m & 1) r *= square;
@@ -44,10 +50,10 @@ double apply(Op op, double a) {
     case Op::Log: return a > 0 ? std::log(a) : kNan;
     case Op::Cbrt: return std::cbrt(a);
     case Op::Abs: return std::fabs(a);
-    case Op::Sign: return std::isnan(a) ? a : static_cast<double>((a > 0) - (a < 0));
+    case Op::Sign: return undefined(a) ? kNan : static_cast<double>((a > 0) - (a < 0));
     case Op::Floor: return std::floor(a);
     case Op::Ceiling: return std::ceil(a);
-    case Op::Not: return a == 0;
+    case Op::Not: return undefined(a) ? kNan : a == 0;
     default: return kNan;
   }
 }
@@ -56,18 +62,21 @@ double apply(Op op, double a, double b) {
   switch (op) {
     case Op::Add: return a + b;
     case Op::Mul: return a * b;
-    case Op::Pow: return a < 0 ? kNan : std::pow(a, b);
-    case Op::Atan2: return std::atan2(a, b);
     case Op::Mod: return modulo(a, b);
-    // A nan on either side is a nan.
-    case Op::Min: return std::isnan(a) || std::isnan(b) ? kNan : std::min(a, b);
-    case Op::Max: return std::isnan(a) || std::isnan(b) ? kNan : std::max(a, b);
+    case Op::And: return a == 0 || b == 0 ? 0 : undefined(a, b) ? kNan : 1;
+    case Op::Or: return a == 1 || b == 1 ? 1 : undefined(a, b) ? kNan : 0;
+    default: break;
+  }
+  if (undefined(a, b)) return kNan;
+  switch (op) {
+    case Op::Pow: return a < 0 || (a == 0 && b < 0) ? kNan : std::pow(a, b);
+    case Op::Atan2: return a == 0 && b == 0 ? kNan : std::atan2(a, b);
+    case Op::Min: return std::min(a, b);
+    case Op::Max: return std::max(a, b);
     case Op::Less: return a < b;
     case Op::LessEqual: return a <= b;
     case Op::Equal: return a == b;
     case Op::Unequal: return a != b;
-    case Op::And: return a != 0 && b != 0;
-    case Op::Or: return a != 0 || b != 0;
     default: return kNan;
   }
 }
@@ -88,7 +97,7 @@ Tape::Tape(const Expr& e) {
       case Op::True: step.value = 1; break;
       case Op::Symbol: step.input = static_cast<std::size_t>(std::lower_bound(symbols_.begin(), symbols_.end(), p.name()) - symbols_.begin()); break;
       case Op::Pow:
-        if (const Expr& n = p.arg(1); n.op() == Op::Number && n.number().get_den() == 1 && n.number().get_num().fits_sint_p())
+        if (const Expr& n = p.arg(1); n.op() == Op::Number && n.number().get_den() == 1 && n.number().get_num().fits_slong_p())
           step.exponent = n.number().get_num().get_si();
         break;
       default: break;
@@ -119,8 +128,8 @@ void Tape::block(const Step& step, std::vector<double>& values, std::size_t at, 
       std::fill_n(r, n, kNan);
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t k = 0; k < step.args.size(); k += 2)
-          if (arg(k + 1)[i] != 0) {
-            r[i] = arg(k)[i];
+          if (const double holds = arg(k + 1)[i]; holds != 0) {
+            r[i] = undefined(holds) ? kNan : arg(k)[i];
             break;
           }
       return;

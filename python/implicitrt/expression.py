@@ -282,7 +282,7 @@ class Expr(_Tree):
     def evaluate(
         self, X: npt.ArrayLike = 0.0, Y: npt.ArrayLike = 0.0, Z: npt.ArrayLike = 0.0, /, **params: Any
     ) -> npt.NDArray[np.float64]:
-        """The values at points, in float64 on the host; nan where the formula is undefined.
+        """The values at points, in float64 on the host; nan where the formula is undefined (0/0 and 1/0 too), infinite where it is too large.
 
         Args:
             X, Y, Z: coordinates, any shapes that broadcast together. As keywords X, Y and Z are coordinates where the formula has no parameter of that name.

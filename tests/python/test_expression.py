@@ -259,6 +259,32 @@ def test_evaluate() -> None:
     assert irt.Mod(x, y).evaluate(-1, 3) == 2 and irt.Mod(x, y).evaluate(1, -3) == -2
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1/x", None),
+        ("sign(1/x^2)", None),
+        ("Mod(atan(1/x), 1)", None),
+        ("exp(-1/x^2)", None),
+        ("x^(-1/2)", None),
+        ("x^(y - 1)", None),
+        ("log(x)^y", None),
+        ("atan2(y, x)", None),
+        ("Mod(1, x)", None),
+        ("Piecewise((1, 1/x > 0), (2, True))", None),
+        ("Piecewise((1, Not(1/x > 0)), (2, True))", None),
+        ("Piecewise((1, And(x > 0, 1/x > 0)), (2, True))", 2),
+        ("Piecewise((1, Or(x < 1, 1/x > 0)), (2, True))", 1),
+        ("Piecewise((1/x, x > 0), (2, True))", 2),
+        ("(x - 1)^(2^40)", 1),
+        ("exp(x + 1000)", np.inf),
+    ],
+)
+def test_evaluate_is_nan_where_the_formula_is_undefined(text: str, value: float | None) -> None:
+    at_zero = irt.parse(text).evaluate(0, 0, 0)
+    assert np.isnan(at_zero) if value is None else at_zero == value
+
+
 def test_named_surfaces_have_the_degrees_of_the_literature() -> None:
     assert len(irt.surfaces) == 64
     for name, surface in irt.surfaces.items():
