@@ -17,7 +17,7 @@ inline constexpr int kPrintDepth = 1000;
 inline constexpr std::size_t kFormulaLength = 1 << 20;
 // Characters of one identifier.
 inline constexpr std::size_t kIdentifierLength = 64;
-// Bits in the numerator or denominator of a folded number; larger powers of numbers stay unevaluated or are refused.
+// Bits in the numerator or denominator of a number; larger powers of numbers stay unevaluated or are refused.
 inline constexpr std::size_t kNumberBits = 1 << 16;
 // Terms that `expand` may produce.
 inline constexpr std::size_t kExpandTerms = 200'000;

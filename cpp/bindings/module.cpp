@@ -6,6 +6,7 @@ PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of implicitrt; use the package, not this module.";
   m.attr("MAX_PIXELS") = irt::limits::kPixels;
   m.attr("MAX_SIDE") = irt::limits::kSide;
+  m.attr("NUMBER_BITS") = irt::limits::kNumberBits;
   m.attr("CLOSED_DEGREE") = irt::limits::kClosedDegree;
   irt::bindings::bind_errors(m);
   irt::bindings::bind_expr(m);

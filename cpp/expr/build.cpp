@@ -27,6 +27,10 @@ std::size_t bits(const mpq_class& q) {
   return std::max(mpz_sizeinbase(q.get_num_mpz_t(), 2), mpz_sizeinbase(q.get_den_mpz_t(), 2));
 }
 
+void check_bits(const mpq_class& q) {
+  if (bits(q) > limits::kNumberBits) throw LimitError(fmt::format("a number in the formula has {} bits; the limit is {}", bits(q), limits::kNumberBits));
+}
+
 // q ** n, or nothing where it would be too large to keep.
 std::optional<mpq_class> integer_power(const mpq_class& q, const mpz_class& n) {
   if (sgn(q) == 0 && sgn(n) < 0) throw ExpressionError("division by zero");
@@ -128,7 +132,11 @@ bool is_identifier(const std::string& name) {
          std::all_of(name.begin(), name.end(), [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
 }
 
-Expr number(const mpq_class& value) { return Store::number(value); }
+Expr number(const mpq_class& value) {
+  const Expr e = Store::number(value);
+  check_bits(e.number());
+  return e;
+}
 
 Expr from_double(double value) {
   if (!std::isfinite(value))
@@ -152,10 +160,6 @@ std::pair<mpq_class, Expr> split_coefficient(const Expr& e) {
   if (e.op() != Op::Mul || !is_number(e.arg(0))) return {1, e};
   if (e.arity() == 2) return {e.arg(0).number(), e.arg(1)};
   return {e.arg(0).number(), Store::make(Op::Mul, {e.args().begin() + 1, e.args().end()})};
-}
-
-static void check_bits(const mpq_class& q) {
-  if (bits(q) > limits::kNumberBits) throw LimitError(fmt::format("a number in the formula has {} bits; the limit is {}", bits(q), limits::kNumberBits));
 }
 
 // The terms with like ones collected, in order; a sum whose coefficient has become 1 is among them as it is.
@@ -281,7 +285,8 @@ Expr pow(const Expr& base, const Expr& exponent) {
     const mpq_class& b = base.number();
     if (integer) {
       if (const auto v = integer_power(b, q.get_num())) return number(*v);
-      throw LimitError(fmt::format("a number raised to {} has more than {} bits, the limit", q.get_str(), limits::kNumberBits));
+      throw LimitError(fmt::format("a number of {} bits to the power {:.40} may have {:.40} bits; the limit is {}", bits(b), q.get_str(),
+                                   mpz_class(abs(q.get_num()) * bits(b)).get_str(), limits::kNumberBits));
     }
     if (sgn(b) < 0)
       throw ExpressionError(fmt::format("({})**({}) is not real; for odd roots of negative numbers use cbrt", b.get_str(), q.get_str()));

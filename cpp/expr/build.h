@@ -13,7 +13,7 @@
 
 namespace irt {
 
-Expr number(const mpq_class& value);
+Expr number(const mpq_class& value);        // throws LimitError past limits::kNumberBits
 Expr from_double(double value);             // exactly; throws ExpressionError unless finite
 Expr symbol(const std::string& name);       // throws ExpressionError unless an identifier
 bool is_identifier(const std::string& name);

@@ -220,7 +220,7 @@ Expr differentiate(const Expr& e, const std::string& symbol) {
     const Expr& r = d.emplace(p.key(), derivative(p, symbol, d)).first->second;
     arguments += r.arity();
     if (arguments > limits::kDerivativeArguments)
-      throw LimitError(fmt::format("the derivative has more than {} arguments in all, the limit; the formula is too deep for it", limits::kDerivativeArguments));
+      throw LimitError(fmt::format("the derivative has {} arguments or more in all; the limit is {}; the formula is too deep for it", arguments, limits::kDerivativeArguments));
   }
   return d.at(e.key());
 }

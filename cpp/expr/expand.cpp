@@ -154,7 +154,7 @@ class Expansion {
     if (a.size() * b.size() > limits::kExpandTerms)
       throw LimitError(fmt::format("expand would make {} terms; the limit is {}", a.size() * b.size(), limits::kExpandTerms));
     if ((made_ += a.size() * b.size()) > limits::kExpandProducts)
-      throw LimitError(fmt::format("expand would multiply more than {} pairs of terms, the limit", limits::kExpandProducts));
+      throw LimitError(fmt::format("expand would multiply {} pairs of terms or more; the limit is {}", made_, limits::kExpandProducts));
     Sum r;
     Monomial m;
     mpq_class c;
@@ -169,14 +169,14 @@ class Expansion {
             m.push_back(*j++);
           } else {
             std::int64_t n;
-            if (__builtin_add_overflow(i->second, j->second, &n)) throw LimitError("expand would make an exponent of more than 63 bits, the limit");
+            if (__builtin_add_overflow(i->second, j->second, &n)) throw LimitError("expand would make an exponent of 64 bits; the limit is 63");
             m.emplace_back(i->first, n);
             ++i, ++j;
           }
         c = x * y;
         const mpq_class& sum = r[m] += c;
-        if (mpz_sizeinbase(sum.get_num_mpz_t(), 2) > limits::kNumberBits || mpz_sizeinbase(sum.get_den_mpz_t(), 2) > limits::kNumberBits)
-          throw LimitError(fmt::format("expand would make a number of more than {} bits, the limit", limits::kNumberBits));
+        if (const std::size_t bits = std::max(mpz_sizeinbase(sum.get_num_mpz_t(), 2), mpz_sizeinbase(sum.get_den_mpz_t(), 2)); bits > limits::kNumberBits)
+          throw LimitError(fmt::format("expand would make a number of {} bits; the limit is {}", bits, limits::kNumberBits));
       }
     return without_zeros(std::move(r));
   }

@@ -285,7 +285,7 @@ class Parser {
     long exponent = 0;
     if (e != std::string::npos) {
       const std::string digits = s.substr(e + 1);
-      if (digits.size() > 6) throw LimitError(fmt::format("the number '{}' at column {} is too large", s.substr(0, 40), token.column));
+      if (digits.size() > 6) throw LimitError(fmt::format("the number '{:.40}' at column {} has an exponent of {} digits; the limit of numbers is {} bits", s, token.column, digits.size(), limits::kNumberBits));
       exponent = std::stol(digits);
     }
     const std::size_t dot = mantissa.find('.');
@@ -294,8 +294,9 @@ class Parser {
       digits.erase(dot, 1);
       exponent -= static_cast<long>(mantissa.size() - dot - 1);
     }
-    if (static_cast<double>(digits.size()) * 3.33 > limits::kNumberBits || std::abs(exponent) * 3.33 > limits::kNumberBits)
-      throw LimitError(fmt::format("the number at column {} has more than {} bits, the limit", token.column, limits::kNumberBits));
+    const std::size_t figures = std::max(digits.size(), static_cast<std::size_t>(std::abs(exponent)));
+    if (static_cast<double>(figures) * 3.33 > limits::kNumberBits)
+      throw LimitError(fmt::format("the number '{:.40}' at column {} has {} figures; the limit of numbers is {} bits", s, token.column, figures, limits::kNumberBits));
     mpz_class scale;
     mpz_ui_pow_ui(scale.get_mpz_t(), 10, static_cast<unsigned long>(std::abs(exponent)));
     const mpz_class whole(digits.empty() ? "0" : digits, 10);

@@ -150,7 +150,7 @@ std::optional<long> degree(const Expr& e) {
       r = *of(0) * *n;
     }
     if (parts.is_free(p) && !p.is_condition()) r = 0;
-    if (r && *r > limits::kDegree) throw LimitError(fmt::format("the polynomial's degree is above the limit of {}", limits::kDegree));
+    if (r && *r > limits::kDegree) throw LimitError(fmt::format("the polynomial's degree is {} or more; the limit is {}", *r, limits::kDegree));
     degrees.push_back(r);
   }
   const auto bound = degrees.back();

@@ -25,7 +25,7 @@ class Printer {
 
   Text print(const Expr& e) {
     if (++depth_ > limits::kPrintDepth || size_ > limits::kFormulaLength)
-      throw LimitError(fmt::format("the formula is too deep or too long to print; the limits are {} levels and {} characters", limits::kPrintDepth,
+      throw LimitError(fmt::format("the formula has {} levels or more, {} characters so far; the limits of printing are {} and {}", depth_, size_, limits::kPrintDepth,
                                    limits::kFormulaLength));
     Text t = dispatch(e);
     size_ += t.text.size();

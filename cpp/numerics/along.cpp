@@ -223,7 +223,7 @@ Formula::Formula(const Expr& f, const std::map<std::string, double>& parameters,
         step.value = outward(constants.back());
       }
       if (steps_.size() >= limits::kNodes)
-        throw LimitError(fmt::format("the formula and its derivatives have more than {} parts, the limit", limits::kNodes));
+        throw LimitError(fmt::format("the formula and its derivatives have {} parts or more; the limit is {}", steps_.size() + 1, limits::kNodes));
       index.emplace(p.key(), static_cast<std::uint32_t>(steps_.size()));
       steps_.push_back(std::move(step));
     }

@@ -179,7 +179,7 @@ class Coefficients {
     const auto [it, fresh] = leaf_index_.emplace(v, leaves_.size());
     if (fresh) {
       if (leaves_.size() == limits::kLeaves)
-        throw LimitError(fmt::format("the formula has more than {} polynomials under its set operations, the limit of closed forms; use \"contract\"", limits::kLeaves));
+        throw LimitError(fmt::format("the formula has {} polynomials or more under its set operations; the limit of closed forms is {}; use \"contract\"", leaves_.size() + 1, limits::kLeaves));
       leaves_.push_back(v);
     }
     return fmt::format("s[{}]", it->second);

@@ -118,8 +118,8 @@ class Lowering {
   Value emit(const Instruction& i) {
     const Value v = numbering_.emit(i);
     if (program_.code.size() > limits::kOperations)
-      throw LimitError(fmt::format("the formula needs more than {} operations, the limit of one kernel; "
-                                   "shorten it or split it", limits::kOperations));
+      throw LimitError(fmt::format("the formula needs {} operations or more; the limit of one kernel is {}; shorten it or split it", program_.code.size(),
+                                   limits::kOperations));
     return v;
   }
 

@@ -6,6 +6,7 @@ import numpy.typing as npt
 
 MAX_PIXELS: int
 MAX_SIDE: int
+NUMBER_BITS: int
 CLOSED_DEGREE: int
 
 @final
