@@ -2,12 +2,16 @@
 
 Trees are canonical (arguments sorted, like terms collected, numbers folded exactly) and never
 change where a function is defined. ``==`` and ``hash`` compare structure.
+
+Between a formula and an object of SymPy, ``==`` is SymPy's, which converts the formula: ``x == sympy.Symbol("x")``.
+Their hashes differ, so sets and keys of dictionaries should be of one kind.
 """
 
 from __future__ import annotations
 
 import numbers
 import operator
+import re
 from collections.abc import Callable, Mapping
 from decimal import Decimal
 from fractions import Fraction
@@ -16,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, Union
 import numpy as np
 
 from implicitrt import _core
-from implicitrt.errors import ArgumentError, ExpressionError
+from implicitrt.errors import ArgumentError, ExpressionError, LimitError
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -454,13 +458,24 @@ def parse(text: str) -> Expr:
     """
     if not isinstance(text, str):
         raise ExpressionError(f"parse takes a string, not {type(text).__name__}; see sympify")
-    node = _core.parse(text)
+    node = _core.parse(_utf8(text))
     if node.is_condition:
         raise ExpressionError(
             f"'{text[:60]}' is a condition, not a formula; a surface is an equation with '=' or "
             "a Piecewise of conditions"
         )
     return Expr(node)
+
+
+def _utf8(text: str) -> str:
+    """The text, if it can be handed to the core, which half of a surrogate pair cannot."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise ExpressionError(
+            f"unknown character {text[error.start]!a} at column {error.start + 1}; names and signs are ASCII, but for − · ² ³ π √"
+        ) from None
+    return text
 
 
 def sympify(value: Any) -> Expr:
@@ -478,9 +493,12 @@ def sympify(value: Any) -> Expr:
     if isinstance(value, (int, np.integer)):
         return Expr(_core.rational(operator.index(value), 1))
     if isinstance(value, (float, np.floating)):
-        return Expr(_core.from_double(float(value)))
+        double = float(value)
+        if double != value and not np.isnan(double):
+            raise ExpressionError(f"{value!r} is no float64; numbers with more digits are given as Fraction, Decimal or Rational")
+        return Expr(_core.from_double(double))
     if isinstance(value, Decimal) and value.is_finite():
-        value = Fraction(value)
+        value = _fraction(value)
     if isinstance(value, numbers.Rational):
         return Expr(_core.rational(int(value.numerator), int(value.denominator)))
     if isinstance(value, np.ndarray) and value.ndim == 0:
@@ -516,7 +534,7 @@ def symbols(names: str) -> Any:
 
 def symbol_node(name: str) -> _core.Node:
     """The symbol of that name, which must parse back from str and repr."""
-    node = _core.symbol(name)
+    node = _core.symbol(_utf8(name))
     try:
         if node.op == "Symbol" and _core.parse(name) == node:
             return node
@@ -526,12 +544,24 @@ def symbol_node(name: str) -> _core.Node:
 
 
 def Rational(p: Any, q: Any = 1) -> Expr:
-    """The exact quotient of two integers, or of a decimal string such as "0.1"."""
+    """The exact quotient of two integers, or of a decimal string such as "0.1". Raises LimitError past 65536 bits."""
     try:
-        value = Fraction(p) / Fraction(q)
+        value = _fraction(p) / _fraction(q)
     except (ZeroDivisionError, TypeError, ValueError, OverflowError) as error:
         raise ExpressionError(f"Rational({p!r}, {q!r}) is no rational number: {error}") from None
     return Expr(_core.rational(value.numerator, value.denominator))
+
+
+def _fraction(value: Any) -> Fraction:
+    """`Fraction(value)`, but for exponents that would make a number beyond the cap: it could take all memory."""
+    exponent: Any = 0
+    if isinstance(value, Decimal):
+        exponent = value.as_tuple().exponent if value.is_finite() else 0
+    elif isinstance(value, str) and (written := re.search(r"[eE]([-+]?[\d_]+)\s*$", value)):
+        exponent = int(written[1])
+    if abs(exponent) > _core.NUMBER_BITS:
+        raise LimitError(f"the number {str(value)[:40]} has the exponent {exponent}; the limit of numbers is {_core.NUMBER_BITS} bits")
+    return Fraction(operator.index(value) if hasattr(value, "__index__") else value)
 
 
 def _function(name: str, meaning: str) -> Callable[..., Expr]:

@@ -98,7 +98,7 @@ def _nested(f: Callable[[irt.Expr], irt.Expr], times: int) -> irt.Expr:
         _nested(lambda b: irt.Max(irt.Min(b, y), z), 500),
         _nested(lambda b: b * (b + 1), 60),  # text would be 2^60 characters long
         _nested(lambda b: irt.Piecewise((b, (b < y) | (y > 3)), (z, True)), 500),
-        irt.Rational("1e15000"),
+        irt.Rational("1e19000"),
         x < y,
         2 * (x + y) - (x + y) + z,
     ],
@@ -237,6 +237,49 @@ def test_decimals_are_exact() -> None:
 
 def test_latex_keeps_numbers_apart() -> None:
     assert (3 * 2**x).latex == r"3 \cdot 2^{x}" and (3 * x).latex == "3 x"
+
+
+@pytest.mark.parametrize("make", [irt.parse, irt.symbols, lambda t: irt.sympify(sympy.Symbol(t)), lambda t: x.subs(t, 1)])
+def test_half_a_surrogate_pair_is_no_name(make: Callable[[str], Any]) -> None:
+    with pytest.raises(irt.ExpressionError, match=r"'\\ud800' at column 2"):
+        make("x\ud800")
+
+
+def test_rational_takes_integers_of_numpy() -> None:
+    assert irt.Rational(np.int64(1), 2) == irt.Rational(1, np.uint8(2)) == Fraction(1, 2)
+
+
+def test_long_doubles_are_exact_or_refused() -> None:
+    assert irt.sympify(np.longdouble(0.1)) == 0.1
+    with pytest.raises(irt.ExpressionError, match="float64"):
+        irt.sympify(np.longdouble("1e4000"))
+    if np.finfo(np.longdouble).nmant > 52:
+        with pytest.raises(irt.ExpressionError, match="float64"):
+            irt.sympify(np.longdouble(1) / 3)
+
+
+@pytest.mark.parametrize("number", ["1e3000000", "-1E-3_000_000", Decimal("1e999999999"), "1e30000", 1 << 65536, Fraction(1, 1 << 65536)], ids=range(6))
+def test_numbers_have_a_cap(number: Any) -> None:
+    with pytest.raises(irt.LimitError, match=r"exponent -?\d+; .* 65536|(65537|99658) bits; .* 65536"):
+        irt.Rational(number)
+    if not isinstance(number, str):
+        with pytest.raises(irt.LimitError, match="65536"):
+            irt.sympify(number)
+
+
+def test_limits_name_what_they_found() -> None:
+    for call, found in (
+        (lambda: irt.sympify(2) ** 70000, "140000 bits"),
+        (lambda: irt.parse("1e20000"), "20000 figures"),
+        (lambda: irt.parse("1e9999999"), "7 digits"),
+        (lambda: _nested(irt.sin, 800).diff(x), r"\d{6} arguments"),
+        (lambda: ((x + y + z + 1) ** 2000).expand(), r"\d+ (pairs|terms)"),
+        (lambda: str(_nested(irt.sin, 1001)), "1001 levels"),
+        (lambda: irt.kernel_source(_nested(irt.sin, 10001)), "10001 operations"),
+    ):
+        with pytest.raises(irt.LimitError, match=found) as error:
+            call()
+        assert "limit" in str(error.value)
 
 
 def test_parameters_may_have_any_name() -> None:
