@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <functional>
+#include <algorithm>
 #include <unordered_map>
 
 #include "caps.h"
@@ -203,11 +203,34 @@ std::set<std::string> free_symbols(const Expr& e) {
 Expr substitute(const Expr& e, const std::vector<std::pair<Expr, Expr>>& pairs) {
   Memo replacement, memo;
   for (const auto& [from, to] : pairs) replacement.emplace(from.key(), to);
+  // What has become undefined is an error only where it is needed: a Piecewise whose condition fails does not.
+  std::unordered_map<const Node*, ExpressionError> undefined;
+  const auto of = [&](const Expr& a) -> const Expr& {
+    if (const auto it = undefined.find(a.key()); it != undefined.end()) throw it->second;
+    return memo.at(a.key());
+  };
   for (const Expr& p : postorder(e)) {
-    const auto it = replacement.find(p.key());
-    memo.emplace(p.key(), it != replacement.end() ? it->second : rebuild(p, memo));
+    if (const auto it = replacement.find(p.key()); it != replacement.end()) {
+      memo.emplace(p.key(), it->second);
+      continue;
+    }
+    try {
+      std::vector<Expr> args;
+      if (p.op() == Op::Piecewise) {
+        for (std::size_t i = 0; i < p.arity() && (i == 0 || args.back().op() != Op::True); i += 2) {
+          const Expr& condition = of(p.arg(i + 1));
+          args.push_back(condition.op() == Op::False ? Expr(0L) : of(p.arg(i)));
+          args.push_back(condition);
+        }
+      } else {
+        for (const Expr& a : p.args()) args.push_back(of(a));
+      }
+      memo.emplace(p.key(), std::ranges::equal(args, p.args()) ? p : call(p.op(), args));
+    } catch (const ExpressionError& error) {
+      undefined.emplace(p.key(), error);
+    }
   }
-  return memo.at(e.key());
+  return of(e);
 }
 
 Expr differentiate(const Expr& e, const std::string& symbol) {
@@ -231,7 +254,11 @@ Expr simplify(const Expr& e) {
   // Each pass can open the way for another; few are ever needed.
   for (int pass = 0; pass < 8; ++pass) {
     Memo memo;
-    for (const Expr& p : postorder(current)) memo.emplace(p.key(), simplified(rebuild(p, memo)));
+    for (const Expr& p : postorder(current)) try {
+        memo.emplace(p.key(), simplified(rebuild(p, memo)));
+      } catch (const ExpressionError&) {
+        memo.emplace(p.key(), p);  // undefined everywhere, which only the formula as it is can say
+      }
     const Expr next = memo.at(current.key());
     if (next == current) break;
     current = next;

@@ -15,13 +15,13 @@ namespace irt {
 // The names of the symbols in e.
 std::set<std::string> free_symbols(const Expr& e);
 
-// Replaces all the pairs' left sides by their right sides, at once.
+// Replaces all the pairs' left sides by their right sides, at once. Throws ExpressionError where that makes undefined what is needed.
 Expr substitute(const Expr& e, const std::vector<std::pair<Expr, Expr>>& pairs);
 
 // The derivative with respect to a symbol. Abs, Min, Max and Piecewise are differentiated branch by branch, jumps ignored.
 Expr differentiate(const Expr& e, const std::string& symbol);
 
-// Products of sums and whole powers of sums multiplied out. Throws LimitError past limits::kExpandTerms.
+// Products of sums and whole powers of sums multiplied out; what would become an undefined constant stays as it is. Throws LimitError past limits::kExpandTerms.
 Expr expand(const Expr& e);
 
 // The same function, sums of monomials in x, y, z nested as in Horner's rule: fewer products, and no less exact.

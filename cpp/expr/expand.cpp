@@ -37,7 +37,7 @@ class Expansion {
     if (p.is_condition()) {
       conditions_.emplace(p.key(), call(p.op(), arguments(p)));
     } else {
-      sums_.emplace(p.key(), Held{sum_of(p), std::nullopt, uses});
+      sums_.emplace(p.key(), Held{defined_sum_of(p), std::nullopt, uses});
     }
     for (const Expr& a : p.args())
       if (const auto it = sums_.find(a.key()); it != sums_.end() && --it->second.uses == 0) sums_.erase(it);
@@ -66,6 +66,15 @@ class Expansion {
     std::vector<Expr> args;
     for (const Expr& a : p.args()) args.push_back(expanded(a));
     return args;
+  }
+
+  // Of what expands into an undefined constant (log(x - (x + 1))), which only the formula as it is can say: itself, an atom.
+  Sum defined_sum_of(const Expr& p) {
+    try {
+      return sum_of(p);
+    } catch (const ExpressionError&) {
+      return terms_of(p);
+    }
   }
 
   Sum sum_of(const Expr& p) {

@@ -99,7 +99,7 @@ class _Tree:
     def subs(self, *replacements: Any) -> Any:
         """Replaces sub-trees, all at once: ``f.subs({x: y, y: x})`` or ``f.subs(x, 2)``.
 
-        Keys that are strings name symbols. Raises ExpressionError for keys that are no formulas.
+        Keys that are strings name symbols. Raises ExpressionError for keys that are no formulas, and where the result is undefined, such as 1/x at x = 0.
         """
         if len(replacements) == 2:
             pairs = [(replacements[0], replacements[1])]
@@ -272,11 +272,11 @@ class Expr(_Tree):
         return Expr(node)
 
     def expand(self) -> Expr:
-        """Products and whole powers of sums multiplied out. Raises LimitError past the cap."""
+        """Products and whole powers of sums multiplied out; parts that are undefined everywhere stay. Raises LimitError past the cap."""
         return Expr(_core.expand(self._node))
 
     def simplify(self) -> Expr:
-        """The same function, smaller where that is sound; factored forms and even powers stay."""
+        """The same function, smaller where that is sound; factored forms, even powers, and parts that are undefined everywhere stay."""
         return Expr(_core.simplify(self._node))
 
     def degree(self) -> int | None:

@@ -36,6 +36,12 @@ TEST(Expand, KeepsDomains) {
   expect_expanded("(E + 1)(E - 1)", "E^2 - 1");
 }
 
+TEST(Expand, KeepsWhatIsUndefinedEverywhere) {
+  expect_expanded("log(y - (y + 1) + 1)(x + 1)", "log(y - (y + 1) + 1) x + log(y - (y + 1) + 1)");
+  expect_expanded("1/(y - (y + 1) + 1) + (x + 1)^2 - x^2", "1/(y - (y + 1) + 1) + 2 x + 1");
+  EXPECT_EQ(degree(parse("(x + 1)^2 - (x - 1)^2 + log(a - (a + 1) + 1)")), 1);
+}
+
 TEST(Expand, CapsWhatGrows) {
   // (a^n - b^n)(a^n + b^n) = a^2n - b^2n, as often as it takes.
   Expr e = parse("x^1000000000 - y");

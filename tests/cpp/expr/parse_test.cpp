@@ -79,6 +79,18 @@ TEST(Calculus, DerivativesAndDegrees) {
   EXPECT_EQ(degree(parse("a*x^2 + sqrt(b)*y")), 2);
 }
 
+TEST(Substitute, NeedsNoBranchThatIsDropped) {
+  const Expr f = parse("Piecewise((2 + log(1/x), x > 0), (y, True), (1/x, y > 0))");
+  EXPECT_EQ(substitute(f, {{symbol("x"), Expr(0L)}}), symbol("y"));
+  EXPECT_EQ(substitute(parse("Piecewise((x, x < 1), (1/(x - 2), True))"), {{symbol("x"), Expr(1L)}}), Expr(-1L));
+  EXPECT_THROW(substitute(f, {{symbol("x"), Expr(-1L)}, {symbol("y"), parse("log(x)")}, {parse("x > 0"), parse("1 < y")}}), ExpressionError);
+  EXPECT_THROW(substitute(parse("x + 1/x"), {{symbol("x"), Expr(0L)}}), ExpressionError);
+}
+
+TEST(Simplify, KeepsWhatIsUndefinedEverywhere) {
+  EXPECT_EQ(to_string(simplify(parse("log(log(exp(-3/4))) + Abs(x)^2"))), "x**2 + log(log(exp(-3/4)))");
+}
+
 TEST(Simplify, IsSoundAndKeepsEvenPowers) {
   EXPECT_EQ(to_string(simplify(parse("Abs(x)^2"))), "x**2");
   EXPECT_EQ(to_string(simplify(parse("sin(x)^2 + cos(x)^2"))), "1");
