@@ -215,51 +215,65 @@ Expr add(std::span<const Expr> terms) {
   return Store::make(Op::Add, std::move(kept));
 }
 
-Expr mul(std::span<const Expr> factors) {
-  mpq_class constant = 1;
-  std::vector<Expr> flat;
-  for (const Expr& f : factors) {
-    check_value(f);
-    if (f.op() == Op::Mul) {
-      flat.insert(flat.end(), f.args().begin(), f.args().end());
-    } else {
-      flat.push_back(f);
-    }
-  }
-  // Integer powers of one base multiply where both stand above the line, or both below it.
+// The factors with powers of one base collected; numbers go into the constant. Where `again`, there may be equal factors among the results.
+static std::vector<Expr> collected(std::span<const Expr> factors, mpq_class& constant, bool& again) {
+  // Integer powers of one base multiply where both stand above the line, or both below it. Roots and powers by what is no number are
+  // bases of their own: sqrt(x) sqrt(x) is sqrt(x)**2, which is no more defined than they are.
   struct Exponents {
     mpz_class above = 0, below = 0;
   };
-  std::vector<Expr> order, others;
+  std::vector<Expr> order;
   std::unordered_map<Expr, Exponents, ExprHash> powers;
-  for (const Expr& f : flat) {
+  for (const Expr& f : factors) {
     if (is_number(f)) {
       constant *= f.number();
       continue;
     }
-    const bool power = f.op() == Op::Pow && is_integer(f.arg(1));
-    const Expr base = power ? f.arg(0) : f;
-    if (f.op() == Op::Pow && !power) {
-      others.push_back(f);
-      continue;
+    Expr base = f;
+    mpz_class n = 1;
+    if (f.op() == Op::Pow && is_integer(f.arg(1))) {
+      base = f.arg(0);
+      n = f.arg(1).number().get_num();
+    } else if (f.op() == Op::Pow && is_number(f.arg(1)) && sgn(f.arg(1).number()) < 0) {
+      base = pow(f.arg(0), number(-f.arg(1).number()));
+      n = -1;
     }
     const auto [it, fresh] = powers.try_emplace(base);
     if (fresh) order.push_back(base);
-    const mpz_class n = power ? f.arg(1).number().get_num() : mpz_class(1);
     (sgn(n) > 0 ? it->second.above : it->second.below) += n;
   }
-  std::vector<Expr> kept = std::move(others);
+  std::vector<Expr> kept;
   for (const Expr& base : order) {
     const Exponents& e = powers.at(base);
-    for (const mpz_class& n : {e.above, e.below})
-      if (sgn(n) != 0) {
-        const Expr p = pow(base, number(mpq_class(n)));
-        if (is_number(p)) {
-          constant *= p.number();
-        } else {
-          kept.push_back(p);
-        }
+    for (const mpz_class& n : {e.above, e.below}) {
+      if (sgn(n) == 0) continue;
+      const Expr p = pow(base, number(mpq_class(n)));
+      if (is_number(p)) {
+        constant *= p.number();
+        continue;
       }
+      // sqrt(x)**3 is x**(3/2), another base, and E**2 is exp(2).
+      again = again || (abs(n) != 1 && (p.op() != Op::Pow || p.arg(0) != base));
+      kept.push_back(p);
+    }
+  }
+  return kept;
+}
+
+Expr mul(std::span<const Expr> factors) {
+  mpq_class constant = 1;
+  std::vector<Expr> kept;
+  for (const Expr& f : factors) {
+    check_value(f);
+    if (f.op() == Op::Mul) {
+      kept.insert(kept.end(), f.args().begin(), f.args().end());
+    } else {
+      kept.push_back(f);
+    }
+  }
+  for (bool again = true; again;) {
+    again = false;
+    kept = collected(kept, constant, again);
   }
   check_bits(constant);
   if (kept.empty()) return number(constant);

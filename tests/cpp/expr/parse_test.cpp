@@ -24,7 +24,9 @@ INSTANTIATE_TEST_SUITE_P(Grammar, Equal,
                                          Pair{"0.1", "1/10"}, Pair{"1.5e-3", "3/2000"}, Pair{"x*x", "x**2"}, Pair{"x+x", "2*x"},
                                          Pair{"2(x+1)", "2*(x+1)"}, Pair{"(x)(y)", "x*y"}, Pair{"sin (x)", "sin(x)"}, Pair{"2^-1", "1/2"},
                                          Pair{"(x^2)^3", "x^6"}, Pair{"x - x", "0"}, Pair{"x^0", "1"}, Pair{"sqrt(4)", "2"},
-                                         Pair{"exp(1)", "E"}, Pair{"Min(x, x)", "x"}, Pair{"2(x + y) - (x + y) + z", "x + y + z"}, Pair{"2(x + 1) - (x + 1) - 1", "x"}, Pair{"a > b", "b < a"}));
+                                         Pair{"exp(1)", "E"}, Pair{"sqrt(x) sqrt(x)", "sqrt(x)^2"}, Pair{"x^y x^y", "(x^y)^2"}, Pair{"1/sqrt(x)/sqrt(x)", "1/sqrt(x)^2"}, Pair{"sqrt(x)/sqrt(x) y", "y sqrt(x)/sqrt(x)"},
+                                         Pair{"sqrt(x) sqrt(x) sqrt(x) x^(3/2)", "(x^(3/2))^2"}, Pair{"x^(1/3) x^(1/3)", "x^(2/3)"}, Pair{"E E exp(2)", "exp(2)^2"}, Pair{"4^(1/4)*4^(1/4)", "2"},
+                                         Pair{"Min(x, x)", "x"}, Pair{"2(x + y) - (x + y) + z", "x + y + z"}, Pair{"2(x + 1) - (x + 1) - 1", "x"}, Pair{"a > b", "b < a"}));
 
 class Kept : public testing::TestWithParam<const char*> {};
 TEST_P(Kept, IsNotFolded) { EXPECT_EQ(to_string(parse(GetParam())), GetParam()); }
