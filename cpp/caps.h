@@ -6,7 +6,8 @@
 
 namespace irt::limits {
 
-// Distinct nodes of one expression; a model of thousands of operations fits many times over.
+// Distinct nodes of an expression that is evaluated, differentiated, expanded, simplified or handed to the reference; a model of thousands
+// of operations fits many times over. Operators build more, and str, subs and pickle take it; programs have kOperations.
 inline constexpr std::size_t kNodes = 200'000;
 // Levels of parentheses, calls, roots and exponents in one another that `parse` accepts, which goes down into them by recursion: all of
 // them take less than 256 KiB of stack (2.5 MiB under sanitizers), and threads may have 512. Trees built by operators may be deeper.

@@ -1,7 +1,7 @@
 // Canonical construction: what Python's operators and the parser call.
 //
-// As in SymPy, arguments of sums and products are sorted, like terms collected, numbers folded; unlike it, nothing
-// changes where the function is defined (x/x and sqrt(x)**2 stay), and factored forms and even powers are kept.
+// As in SymPy, arguments of sums and products are sorted, like terms and equal factors collected, rational numbers folded; unlike it, nothing
+// changes where the function is defined (x/x and sqrt(x)**2 stay), and factored forms, even powers and irrational numbers are kept.
 #pragma once
 
 #include <optional>

@@ -300,7 +300,10 @@ class Expr(_Tree):
         """
         names = _core.free_symbols(self._node)
         wanted = sorted(names - {"x", "y", "z"})
-        coordinates = {axis: params.pop(axis.upper(), v) if axis.upper() not in names else v for axis, v in zip("xyz", (X, Y, Z), strict=True)}
+        coordinates = {
+            axis: params.pop(axis.upper(), v) if axis.upper() not in names else v
+            for axis, v in zip("xyz", (X, Y, Z), strict=True)
+        }
         check_parameter_names(wanted, params)
         values = coordinates | params
         try:
@@ -495,7 +498,9 @@ def sympify(value: Any) -> Expr:
     if isinstance(value, (float, np.floating)):
         double = float(value)
         if double != value and not np.isnan(double):
-            raise ExpressionError(f"{value!r} is no float64; numbers with more digits are given as Fraction, Decimal or Rational")
+            raise ExpressionError(
+                f"{value!r} is no float64; numbers with more digits are given as Fraction, Decimal or Rational"
+            )
         return Expr(_core.from_double(double))
     if isinstance(value, Decimal) and value.is_finite():
         value = _fraction(value)
@@ -560,7 +565,9 @@ def _fraction(value: Any) -> Fraction:
     elif isinstance(value, str) and (written := re.search(r"[eE]([-+]?[\d_]+)\s*$", value)):
         exponent = int(written[1])
     if abs(exponent) > _core.NUMBER_BITS:
-        raise LimitError(f"the number {str(value)[:40]} has the exponent {exponent}; the limit of numbers is {_core.NUMBER_BITS} bits")
+        raise LimitError(
+            f"the number {str(value)[:40]} has the exponent {exponent}; the limit of numbers is {_core.NUMBER_BITS} bits"
+        )
     return Fraction(operator.index(value) if hasattr(value, "__index__") else value)
 
 

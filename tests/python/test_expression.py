@@ -156,6 +156,15 @@ def test_canonical_forms() -> None:
     assert {x, y, x} == {x, y}
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["x/x", "0*log(x)", "sqrt(x)**2", "sqrt(x)*x**2", "exp(log(x))", "2*(x + y)", "-(x + y)", "(x*y)**2", "sqrt(4*x)", "(x + y)**2", "sqrt(8)", "sqrt(2)*sqrt(3)",
+     "sqrt(2)**2", "pi/pi", "floor(pi)", "sin(pi)", "log(E)", "Max(3, pi)", "cos(-x)", "Abs(-x)", "Abs(x)**2", "sqrt(x**2)", "Min(x, Max(x, y))", "floor(x + 1)"],
+)  # fmt: skip
+def test_forms_that_stay_unlike_sympys(text: str) -> None:
+    assert str(irt.parse(text)) == text
+
+
 def test_hash_is_the_same_in_every_process() -> None:
     code = "import implicitrt as irt; print(hash(irt.parse('x^2 + sin(y)/3')))"
     out = {
@@ -239,7 +248,9 @@ def test_latex_keeps_numbers_apart() -> None:
     assert (3 * 2**x).latex == r"3 \cdot 2^{x}" and (3 * x).latex == "3 x"
 
 
-@pytest.mark.parametrize("make", [irt.parse, irt.symbols, lambda t: irt.sympify(sympy.Symbol(t)), lambda t: x.subs(t, 1)])
+@pytest.mark.parametrize(
+    "make", [irt.parse, irt.symbols, lambda t: irt.sympify(sympy.Symbol(t)), lambda t: x.subs(t, 1)]
+)
 def test_half_a_surrogate_pair_is_no_name(make: Callable[[str], Any]) -> None:
     with pytest.raises(irt.ExpressionError, match=r"'\\ud800' at column 2"):
         make("x\ud800")
@@ -258,7 +269,11 @@ def test_long_doubles_are_exact_or_refused() -> None:
             irt.sympify(np.longdouble(1) / 3)
 
 
-@pytest.mark.parametrize("number", ["1e3000000", "-1E-3_000_000", Decimal("1e999999999"), "1e30000", 1 << 65536, Fraction(1, 1 << 65536)], ids=range(6))
+@pytest.mark.parametrize(
+    "number",
+    ["1e3000000", "-1E-3_000_000", Decimal("1e999999999"), "1e30000", 1 << 65536, Fraction(1, 1 << 65536)],
+    ids=range(6),
+)
 def test_numbers_have_a_cap(number: Any) -> None:
     with pytest.raises(irt.LimitError, match=r"exponent -?\d+; .* 65536|(65537|99658) bits; .* 65536"):
         irt.Rational(number)
