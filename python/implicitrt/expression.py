@@ -553,7 +553,7 @@ def Rational(p: Any, q: Any = 1) -> Expr:
     try:
         value = _fraction(p) / _fraction(q)
     except (ZeroDivisionError, TypeError, ValueError, OverflowError) as error:
-        raise ExpressionError(f"Rational({p!r}, {q!r}) is no rational number: {error}") from None
+        raise ExpressionError(f"Rational takes two integers, the second not zero, or a decimal string: {str(error)[:100]}") from None
     return Expr(_core.rational(value.numerator, value.denominator))
 
 

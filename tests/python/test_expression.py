@@ -260,6 +260,13 @@ def test_rational_takes_integers_of_numpy() -> None:
     assert irt.Rational(np.int64(1), 2) == irt.Rational(1, np.uint8(2)) == Fraction(1, 2)
 
 
+@pytest.mark.parametrize("arguments", [(1, 0), (1 << 20000, 0), ("9" * 5000,), ("x",), (None,)], ids=range(5))
+def test_what_is_no_rational_number_is_refused(arguments: tuple[Any, ...]) -> None:
+    with pytest.raises(irt.ExpressionError, match="two integers") as error:
+        irt.Rational(*arguments)
+    assert len(str(error.value)) < 200
+
+
 def test_long_doubles_are_exact_or_refused() -> None:
     assert irt.sympify(np.longdouble(0.1)) == 0.1
     with pytest.raises(irt.ExpressionError, match="float64"):
