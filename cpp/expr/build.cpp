@@ -218,7 +218,7 @@ Expr add(std::span<const Expr> terms) {
 // The factors with powers of one base collected; numbers go into the constant. Where `again`, there may be equal factors among the results.
 static std::vector<Expr> collected(std::span<const Expr> factors, mpq_class& constant, bool& again) {
   // Integer powers of one base multiply where both stand above the line, or both below it. Roots and powers by what is no number are
-  // bases of their own: sqrt(x) sqrt(x) is sqrt(x)**2, which is no more defined than they are.
+  // bases of their own: sqrt(x) sqrt(x) is sqrt(x)**2, which is defined where they are.
   struct Exponents {
     mpz_class above = 0, below = 0;
   };
