@@ -35,7 +35,10 @@ static inline IA ia_mul(IA a, IA b) {
   return IA_OUT(lo, hi, EXACT);
 }
 
-// Both factors are never negative.
+// Of what is never negative: a form of it may reach below zero, where rules for such values are wrong.
+static inline IA ia_nonnegative(IA a) { return ia(max(a.lo, (F)0), a.hi); }
+
+// Both factors are never negative, nor are their ends.
 static inline IA ia_mul_nonnegative(IA a, IA b) {
   const F lo = NAN_TO(a.lo * b.lo, (F)0), hi = NAN_TO(a.hi * b.hi, INF);
   return ia(max(LOWER(CAP_LOWER(lo), EXACT), (F)0), UPPER(hi, EXACT));

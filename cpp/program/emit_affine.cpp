@@ -67,7 +67,7 @@ class AffineEmitter {
     char& has = has_range_[static_cast<std::size_t>(v)];
     if (!has) {
       const std::string value = form(v);
-      text_ += fmt::format("  const IA {} = ra_range({});\n", name(v, 'q'), value);
+      text_ += fmt::format("  const IA {} = {}ra_range({}){};\n", name(v, 'q'), program_[v].nonnegative ? "ia_nonnegative(" : "", value, program_[v].nonnegative ? ")" : "");
     }
     has = 1;
     return name(v, 'q');
