@@ -20,6 +20,10 @@
 #define BEAM_PIECES 32
 #define LEAD R(4.0)
 
+// Whether a beam errs by no more than half of how far the box reaches. Wider ones tell nothing, and f would be asked where it may overflow, which kernels are made for
+// within twice the bounds only; far cameras have such beams, which no bound cuts.
+#define SLENDER(axis, k) LE(fma(UNITS, path.g##axis, path.e##axis), (F)(R(0.5) * max(fabs(BOX_LO(k)), fabs(BOX_HI(k)))))
+
 // What is left of a piece, in units, and where something was cut away.
 typedef struct {
   F from, end;
@@ -84,6 +88,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   if (beam) {
     // All of a beam counts, and nothing is decided of it.
     path.in0 = (F)0;
+    active &= SLENDER(x, 0) & SLENDER(y, 1) & SLENDER(z, 2);
     stop = WHOLE((path.ex + path.ey + path.ez + UNITS * (path.gx + path.gy + path.gz)) / path.unit);
   } else {
     const F inverse = R(1.0) / path.unit, begin = WHOLE((head->from - path.start) * inverse - R(4.0));
