@@ -169,6 +169,7 @@ class Lowering {
   std::set<const Node*> group_polynomials(const Expr& e, std::vector<Signed>& terms) {
     constexpr long kLowest = 6, kHighest = 64;
     constexpr std::size_t kFewest = 3;
+    const mpq_class smallest(1e-25);
     struct Term {
       const Node* key;
       long power;
@@ -188,6 +189,8 @@ class Lowering {
       long degree = 0;
       for (const Term& t : found) degree = std::max(degree, t.power);
       if (found.size() < kFewest || degree < kLowest) continue;
+      // Taylor forms bound roundings, which are parts of the terms; not that coefficients, or what they are multiplied by, may vanish in single precision.
+      if (std::any_of(found.begin(), found.end(), [&](const Term& t) { return abs(t.coefficient) < smallest; })) continue;
       // Even polynomials are polynomials of the square: a quarter of the work, half of the rounding.
       const bool even = std::all_of(found.begin(), found.end(), [](const Term& t) { return t.power % 2 == 0; });
       const long share = even ? 2 : 1;
