@@ -100,8 +100,10 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
         window = open_window(&path, from, TO_F(last) PARAMETERS_PASS);
         // Near the floor of the precision slopes drown in rounding before signs do.
         window.steady &= GT(stop, (I)16);
-        window.below = SELECT(window.rising, below, above);
-        const I leaves = active & window.steady & SELECT(window.rising, above, below);
+        // A sign that was asked for is that of the first place that surely counts: a root may lie between it and the start, and count.
+        const I told = GE(from, path.in0);
+        window.below = told & SELECT(window.rising, below, above);
+        const I leaves = active & window.steady & told & SELECT(window.rising, above, below);
         cutting = active & ~leaves;
         position = SELECT(leaves, last, position);
         step = SELECT(leaves, min(LOWEST_BIT(last), halt), step);
@@ -201,7 +203,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const I last = LE(step, (I)1), room = (above | below) & LE(R(2.0) * (behind - from), wanted);
     const I widens = failed & (last | room) & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
     const I gives_up = failed & last & ~widens, halves = failed & ~last & ~widens;
-    near = SELECT(proven, max(from, path.in0), near);
+    near = SELECT(proven, from, near);  // a root before in0 may count
     far = SELECT(proven, behind, far);
     hits |= proven;
     open |= gives_up;
