@@ -162,7 +162,7 @@ class March {
   // A piece that cannot be divided further: the root may lie at an end of it, or be of odd multiplicity.
   Root smallest(Piece p, Along& along) const {
     const double length = p.b - p.a;
-    for (double w = 0.125 * length; p.b - p.a + 2 * w <= wanted_width(p.a, span_); w *= 1.5) {
+    for (double w = 0.125 * length; w > 0 && p.b - p.a + 2 * w <= wanted_width(p.a, span_); w *= 1.5) {
       const Piece q{p.a - w, p.b + w};
       const Look look = along.look(q.a, q.b);
       if (look.doubtful) break;

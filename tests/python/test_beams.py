@@ -12,8 +12,9 @@ CAMERAS = {
     "inside": irt.Camera(origin=(0.3, 0.2, 0.4), target=(1, 1, 0), fov=80),
     "farther": irt.Camera(origin=(40, 30, -60), fov=3),
     "orthographic": irt.Camera(origin=(2, 1, 4), projection="orthographic", height=4),
+    "a pixel of all": irt.Camera(origin=(6000, 4000, 18600)),
 }
-FORMULAS = ["x^2 + y^2 + z^2 - 1", "sin(3x)*cos(2y) + z^2 - 1/5", "sqrt(x) + y*z - 1/10", "(x^2 + y^2 + z^2 - 1)^2", "floor(2x) + y - z"]
+FORMULAS = ["x^2 + y^2 + z^2 - 1", "sin(3x)*cos(2y) + z^2 - 1/5", "sqrt(x) + y*z - 1/10", "(x^2 + y^2 + z^2 - 1)^2", "floor(2x) + y - z", "sqrt(Abs(x*y*z)) - 1/4"]
 
 
 @pytest.mark.parametrize("camera", CAMERAS)

@@ -187,3 +187,23 @@ def test_exponentials_of_what_is_never_positive_do_not_overflow(formula: str, al
     for _ in range(16):
         value = f.evaluate(*(middle + rng.uniform(-1, 1, (2000, 3)) * half).T)
         assert ((box[:, 0] <= value + 1e-12) & (value - 1e-12 <= box[:, 1])).all()
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize(
+    "formula", ["(x^24 + y^2)*z^2", "(x^2 + 1/(1 + 100*y^2))*z^2", "(x^2 + tan(y)^2)*z^2", "(x^2 + x^2/(1 + y^2))*(z^2 + 1/100)", "(x^2 + Abs(y/z))*(z^2 + y^2)"]
+)
+def test_forms_of_what_is_never_negative_may_be(formula: str, precision: str) -> None:
+    """Their ranges reach below zero, where the product of two that are said not to be negative is cut off at its wrong ends."""
+    rng = np.random.default_rng(4)
+    n = 1000
+    origins, directions = rng.uniform(-1.5, 1.5, (n, 3)), rng.normal(size=(n, 3))
+    start = rng.uniform(-1, 0, n)
+    end = start + 10 ** rng.uniform(-3, 0.3, n)
+    bounds = irt.enclose_rays(formula, origins, directions, start, end, precision=precision).astype(np.float64)
+    expr = irt.parse(formula)
+    for share in np.linspace(0, 1, 21):
+        values = expr.evaluate(*(origins + (start + share * (end - start))[:, None] * directions).T)
+        slack = 1e-9 * (1 + np.abs(values))
+        with np.errstate(invalid="ignore"):
+            assert not ((values < bounds[:, 0] - slack) | (values > bounds[:, 1] + slack)).any()

@@ -7,6 +7,7 @@ import pytest
 from formulas import OPERATORS, check, formula
 
 import implicitrt as irt
+from implicitrt import Status
 
 # One formula for each operator, each third of them of another kind; the test below keeps them from saying nothing.
 SEEDS = [i + len(OPERATORS) * (i % 3) for i in range(len(OPERATORS))]
@@ -65,3 +66,34 @@ def test_half_of_the_formulas_have_hits() -> None:
         found = irt.reference(formula(seed), o, rng.uniform(-1, 1, (60, 3)) - o, bounds=1.5)
         hits += int(found.hit.sum() > 10)
     assert hits >= len(SEEDS) / 2
+
+
+@pytest.mark.parametrize("method", ["auto", "contract", "raa", "ia", "ia-stack", "mitchell"])
+def test_coefficients_below_the_smallest_float(method: str) -> None:
+    """Of (x / 10^5)^10, 1e-50 is no float, and the term is half of what there is."""
+    f = "(x/100000)^10 + (x/100000)^2 + x/100000 - 5/2"
+    call = {"origins": (-2e5, 0, 0), "directions": (1, 0, 0), "bounds": 1e5}
+    truth = irt.reference(f, **call)
+    for precision in ("single", "double", "auto"):
+        found = irt.trace(f, **call, method=method, precision=precision)
+        assert found.status[0] != Status.MISS
+        if found.status[0] == Status.HIT:
+            assert abs(found.t[0] - truth.depth[0]) <= found.uncertainty[0] + 1e-6
+
+
+@pytest.mark.parametrize("precision", ["single", "double", "auto"])
+@pytest.mark.parametrize("method", ["ia", "raa", "ia-stack", "contract", irt.Mitchell("ia"), irt.Mitchell("raa")])
+def test_roots_at_the_start_are_not_passed_over(method: object, precision: str) -> None:
+    """f is positive behind its zero at the start of the ray, or has another one there."""
+    for f in ("x*exp(-4*x)", "x^3 - 3*x^2 + 3*x", "sin(3*x) + y*y*x", "x*(2 + sin(9*x))", "x*(1/2 - x)", "x - 700*x^2", "sinh(x) - x^2"):
+        for eps in (0.3, 0.1, 1e-3, 1e-5):
+            found = irt.trace(f, (0, 0.1, 0.2), (1, 0.1, 0.2), bounds=1.125, method=method, precision=precision, eps=eps)
+            assert found.hit[0] and (found.status[0] != Status.HIT or found.t[0] - found.uncertainty[0] <= 0), (f, eps)
+
+
+@pytest.mark.parametrize("method", ["reference", "ia", "contract", "mitchell"])
+def test_rays_of_one_point_in_a_zero(method: str) -> None:
+    """Nothing is left to be divided: the search of a bracket around it went on for ever."""
+    ray = {"origins": (0, -0.625, -0.125), "directions": (1, 0, 0.5), "tmin": 0.5, "tmax": 0.5, "bounds": 1.125}
+    found = irt.reference("sin(x - 1/2)", **ray) if method == "reference" else irt.trace("sin(x - 1/2)", **ray, method=method, precision="double")
+    assert (found.kind if method == "reference" else found.status)[0] != Status.MISS
