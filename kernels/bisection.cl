@@ -100,10 +100,8 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
         window = open_window(&path, from, TO_F(last) PARAMETERS_PASS);
         // Near the floor of the precision slopes drown in rounding before signs do.
         window.steady &= GT(stop, (I)16);
-        // A sign that was asked for is that of the first place that surely counts: a root may lie between it and the start, and count.
-        const I told = GE(from, path.in0);
-        window.below = told & SELECT(window.rising, below, above);
-        const I leaves = active & window.steady & told & SELECT(window.rising, above, below);
+        window.below = SELECT(window.rising, below, above);
+        const I leaves = active & window.steady & SELECT(window.rising, above, below);
         cutting = active & ~leaves;
         position = SELECT(leaves, last, position);
         step = SELECT(leaves, min(LOWEST_BIT(last), halt), step);
@@ -121,10 +119,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
         const F behind = max(min(end + margin, path.in1), path.in0);
         const I start = ~((above | below) & GE(from, path.in0)) & ~asked;
         b = SELECT(start, max(from, path.in0), behind);
+        // A sign that is asked for is that of all up to the first place that surely counts: a root before it may count.
 #if IRT_PARTIAL || IRT_CLIP
-        a = SELECT(checking, from, b);
+        a = SELECT(start | checking, from, b);
 #else
-        a = b;
+        a = SELECT(start, from, b);
 #endif
       }
     }
@@ -203,7 +202,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     const I last = LE(step, (I)1), room = (above | below) & LE(R(2.0) * (behind - from), wanted);
     const I widens = failed & (last | room) & LT(tries, (I)WIDENINGS) & LT(behind, path.in1);
     const I gives_up = failed & last & ~widens, halves = failed & ~last & ~widens;
-    near = SELECT(proven, from, near);  // a root before in0 may count
+    near = SELECT(proven, max(from, path.in0), near);
     far = SELECT(proven, behind, far);
     hits |= proven;
     open |= gives_up;

@@ -182,14 +182,14 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
       step = SELECT(halves, max(WHOLE(R(0.5) * step), (F)1), step);
       clear = SELECT(halves, (F)0, clear);
       proving = (proving & ~halves) | candidate;
-      // Where the sign at the start is not known it is asked for, once.
+      // Where the sign at the start is not known it is asked for, once: of all up to the first place that surely counts, as a root before it may count.
       asking = candidate & EQ(sign, (F)0) & ~asked;
       asked |= asking;
       const F start = max(position, path.in0), there = SELECT(asking, start, max(min(position + step + margin, path.in1), path.in0));
 #if IRT_PARTIAL || IRT_CLIP
-      from = SELECT(proving, SELECT(checking, position, there), position);
+      from = SELECT(proving, SELECT(checking | asking, position, there), position);
 #else
-      from = SELECT(proving, there, position);
+      from = SELECT(proving & ~asking, there, position);
 #endif
       to = SELECT(proving, there, position + step);
     }

@@ -37,11 +37,11 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
   COUNT_FROM_HERE
   for (int pieces = 0; pieces < max_pieces && ANY(active); ++pieces) {
     COUNT(active)
-    // Of a candidate: the sign at its start where it is not known, the sign behind it, and that all between is continuous and inside.
+    // Of a candidate: the sign at its start, up to where all counts, where it is not known, the sign behind it, and that all between is continuous and inside.
     const F start = max(TO_F(from), path.in0), behind = max(min(TO_F(end) + margin, path.in1), path.in0);
     I undefined, rough;
     REGION_VARIABLES
-    const FORM f = enclose(&path, SELECT(proving, SELECT(asking | checking, start, behind), TO_F(from)),
+    const FORM f = enclose(&path, SELECT(proving & ~asking, SELECT(checking, start, behind), TO_F(from)),
                            SELECT(proving, SELECT(asking, start, behind), TO_F(end)) PARAMETERS_PASS, &undefined, &rough REGION_OUT);
     const I is_above = positive(f) & ~undefined, is_below = negative(f) & ~undefined;
 

@@ -36,9 +36,9 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     COUNT(active)
     const F from = TO_F(position), end = from + TO_F(step);
     const I marching = active & ~(ISOLATING | proving), next = position + step;
-    // Of a candidate: the sign at its start where it is not known, the sign behind it, and that all between is continuous and inside.
+    // Of a candidate: the sign at its start, up to where all counts, where it is not known, the sign behind it, and that all between is continuous and inside.
     const F start = max(from, path.in0), behind = max(min(end + margin, path.in1), path.in0);
-    F a = SELECT(proving, SELECT(asking | checking, start, behind), from), b = SELECT(proving, SELECT(asking, start, behind), end);
+    F a = SELECT(proving & ~asking, SELECT(checking, start, behind), from), b = SELECT(proving, SELECT(asking, start, behind), end);
 #if IRT_ALONG
     a = SELECT(cutting, guess, SELECT(confirming, window.lo, a));
     b = SELECT(cutting, guess, SELECT(confirming, window.hi, b));
