@@ -38,9 +38,9 @@ static inline IA ia_mul(IA a, IA b) {
 // Of what is never negative: a form of it may reach below zero, where rules for such values are wrong.
 static inline IA ia_nonnegative(IA a) { return ia(max(a.lo, (F)0), a.hi); }
 
-// Both factors are never negative, nor are their ends.
+// Both factors are never negative, though their ranges may be where one goes through a pole.
 static inline IA ia_mul_nonnegative(IA a, IA b) {
-  const F lo = NAN_TO(a.lo * b.lo, (F)0), hi = NAN_TO(a.hi * b.hi, INF);
+  const F lo = NAN_TO(max(a.lo, (F)0) * max(b.lo, (F)0), (F)0), hi = NAN_TO(a.hi * b.hi, INF);
   return ia(max(LOWER(CAP_LOWER(lo), EXACT), (F)0), UPPER(hi, EXACT));
 }
 

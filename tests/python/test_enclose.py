@@ -191,7 +191,8 @@ def test_exponentials_of_what_is_never_positive_do_not_overflow(formula: str, al
 
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize(
-    "formula", ["(x^24 + y^2)*z^2", "(x^2 + 1/(1 + 100*y^2))*z^2", "(x^2 + tan(y)^2)*z^2", "(x^2 + x^2/(1 + y^2))*(z^2 + 1/100)", "(x^2 + Abs(y/z))*(z^2 + y^2)"]
+    "formula", ["(x^24 + y^2)*z^2", "(x^2 + 1/(1 + 100*y^2))*z^2", "(x^2 + tan(y)^2)*z^2", "(x^2 + x^2/(1 + y^2))*(z^2 + 1/100)", "(x^2 + Abs(y/z))*(z^2 + y^2)", "(1 + 1/x^2)*(1 + 1/y^2)",
+                "exp(x)*(1 + x^2/y^2)*(1 + y^2/x^2)"]
 )
 def test_forms_of_what_is_never_negative_may_be(formula: str, precision: str) -> None:
     """Their ranges reach below zero, where the product of two that are said not to be negative is cut off at its wrong ends."""
