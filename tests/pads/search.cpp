@@ -145,6 +145,7 @@ CONTRACT(halt) {
   told.terms[1][6] = 1;
   RAY ray = told.ray();
   ray.bx = F(rounded(told.radius * rng.size(-20, -5)));
+  for (int k = 0; k < 3; ++k) told.q[k] = -(told.q[3 + k] = rounded(told.radius * 4));  // beams are slender beside it
   const RANGE range = some_range(told.radius, rng);
   if (!(range.out0 < range.out1)) return true;
   const PATH path = make_path(&ray, &range, told.q);
