@@ -6,6 +6,11 @@
 #include <deque>
 #include <mutex>
 #include <thread>
+#include <vector>
+
+#ifdef __linux__
+#include <sched.h>
+#endif
 
 namespace irt::numerics {
 namespace {
@@ -18,7 +23,13 @@ struct Job {
 class Crew {
  public:
   Crew() {
-    for (std::size_t k = 1; k < crew_size(); ++k) std::thread([this] { help(); }).detach();
+    for (std::size_t k = 1; k < crew_size(); ++k) {
+      std::thread helper([this] { help(); });
+#ifdef __linux__
+      helpers_.push_back(helper.native_handle());
+#endif
+      helper.detach();
+    }
   }
 
   void run(const std::function<void(std::size_t)>& work) {
@@ -26,6 +37,7 @@ class Crew {
     {
       const std::lock_guard lock(mutex_);
       jobs_.push_back(&job);
+      keep_off_this_processor();
     }
     come_.notify_all();
     const auto finish = [&] {
@@ -43,6 +55,19 @@ class Crew {
   }
 
  private:
+  // Linux likes to wake a helper on its waker's processor, where one of them waits for milliseconds: longer than most jobs take.
+  void keep_off_this_processor() {
+#ifdef __linux__
+    const int here = sched_getcpu();
+    cpu_set_t others;
+    if (here < 0 || here == kept_off_ || sched_getaffinity(0, sizeof others, &others) != 0) return;
+    CPU_CLR(here, &others);
+    if (CPU_COUNT(&others) == 0) return;
+    for (const pthread_t helper : helpers_) pthread_setaffinity_np(helper, sizeof others, &others);
+    kept_off_ = here;
+#endif
+  }
+
   [[noreturn]] void help() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -64,6 +89,10 @@ class Crew {
   std::mutex mutex_;
   std::condition_variable come_, left_;
   std::deque<Job*> jobs_;
+#ifdef __linux__
+  std::vector<pthread_t> helpers_;
+  int kept_off_ = -1;
+#endif
 };
 
 }  // namespace

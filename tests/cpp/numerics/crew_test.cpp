@@ -8,6 +8,10 @@
 #include <thread>
 #include <vector>
 
+#ifdef __linux__
+#include <sched.h>
+#endif
+
 namespace irt::numerics {
 namespace {
 
@@ -41,6 +45,32 @@ TEST(Crew, OutlivesWhatItsCallerThrows) {
   by_crew([&](std::size_t worker) { came = came || worker == 0; });
   EXPECT_TRUE(came);
 }
+
+#ifdef __linux__
+TEST(Crew, KeepsOffTheProcessorOfItsCaller) {
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  if (CPU_COUNT(&allowed) < 2 || crew_size() < 2) GTEST_SKIP() << "there is one processor";
+  // Callers may be moved, and helpers stay away: whoever is moved or left alone tries again.
+  bool met = false;
+  for (int round = 0; round < 1000 && !met; ++round) {
+    std::atomic<bool> came{false}, may_share{false};
+    const int before = sched_getcpu();
+    by_crew([&](std::size_t worker) {
+      if (worker > 0) {
+        cpu_set_t mine;
+        may_share = may_share || sched_getaffinity(0, sizeof mine, &mine) != 0 || CPU_ISSET(before, &mine);
+        came = true;
+      }
+      for (int wait = 0; worker == 0 && wait < 1000 && !came; ++wait) std::this_thread::yield();
+    });
+    if (sched_getcpu() != before || !came) continue;
+    met = true;
+    EXPECT_FALSE(may_share);
+  }
+  EXPECT_TRUE(met);
+}
+#endif
 
 }  // namespace
 }  // namespace irt::numerics
