@@ -62,6 +62,10 @@ static inline RANGE clip_ray(const RAY* ray, __global const real* q) {
   range.in0 = ray->near_in;
   range.in1 = ray->far_in;
   if (BOXED != 0) {
+    // Where coordinates err by as much as the box is wide (boxes far from the origin, beams) no plane cuts the ray.
+    const F most = (F)(R(2.0) * RADIUS);
+    range.out0 = max(range.out0, -most);
+    range.out1 = min(range.out1, most);
     clip_axis(&range, ray->px, ray->dx, ray->ex, (F)BOX_LO(0), (F)BOX_HI(0), (F)RADIUS);
     clip_axis(&range, ray->py, ray->dy, ray->ey, (F)BOX_LO(1), (F)BOX_HI(1), (F)RADIUS);
     clip_axis(&range, ray->pz, ray->dz, ray->ez, (F)BOX_LO(2), (F)BOX_HI(2), (F)RADIUS);

@@ -20,9 +20,9 @@
 #define BEAM_PIECES 32
 #define LEAD R(4.0)
 
-// Whether a beam errs by no more than half of how far the box reaches. Wider ones tell nothing, and f would be asked where it may overflow, which kernels are made for
-// within twice the bounds only; far cameras have such beams, which no bound cuts.
-#define SLENDER(axis, k) LE(fma(UNITS, path.g##axis, path.e##axis), (F)(R(0.5) * max(fabs(BOX_LO(k)), fabs(BOX_HI(k)))))
+// Whether a beam errs by no more than a fifth of how far the box reaches. Wider ones tell nothing, and f would be asked where it may overflow, which kernels are made for
+// within twice the bounds only: coordinates that no plane cuts (clip.cl) reach beyond the box by five times what they err by.
+#define SLENDER(axis, k) LE(fma(UNITS, path.g##axis, path.e##axis), (F)(R(0.2) * max(fabs(BOX_LO(k)), fabs(BOX_HI(k)))))
 
 // What is left of a piece, in units, and where something was cut away.
 typedef struct {

@@ -23,7 +23,8 @@ namespace irt::render {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kSettings = 27;
+constexpr std::size_t kSettings = 27, kReach = 6, kPositionPad = 7;  // kernels/scene.cl
+constexpr double kVague = 16;  // of what bounds reach, how small a part coordinates may be off by
 // Packets of a work-item, and how many items a frame has at least while it has more than one packet in each.
 constexpr std::size_t kMostPackets = 8, kLeastItems = 256;
 
@@ -31,7 +32,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What stands where the time limit stops the frame: nothing is known from the start of the ray on.
+// What stands where the time limit stops the frame, or rays are not known: nothing is known from the start of the ray on.
 void leave_open(Answer& a, std::size_t n, const Options& options) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   std::memset(a.depth->data(), 0, a.depth->bytes());
@@ -169,8 +170,8 @@ Reals scene_settings(const Bounds& bounds, const Options& options, program::Prec
     q.set(17 + k, options.unresolved_color[k]);
     q.set(20 + k, options.light[k]);
   }
-  q.set_above(6, reach(bounds));
-  q.set_above(7, position_pad);
+  q.set_above(kReach, reach(bounds));
+  q.set_above(kPositionPad, position_pad);
   q.set(8, options.eps);
   q.set(26, precision == program::Precision::Single && options.first_eps > 0 ? options.first_eps : options.eps);
   q.set_below(9, near);
@@ -282,6 +283,12 @@ void launch(const program::Program& program, const kernel::Spec& spec, std::vect
 
 void launch(const std::string& source, const kernel::Spec& spec, std::vector<device::Arg> args, const Reals& settings,
             std::vector<device::Arg> more, const Options& options, device::Device& device, Answer& answer) {
+  // Of rays from so far away that they may lie anywhere in the bounds nothing can be told, and f would be asked where it may overflow: kernels are made for values within
+  // twice the bounds.
+  if (spec.entry != kernel::Entry::Neighbours && settings.get(kPositionPad) > settings.get(kReach) / kVague) {
+    answer.tally.reset();
+    return leave_open(answer, answer.pitch * answer.rows, options);
+  }
   if (spec.precision == program::Precision::Double && !device.info().fp64)
     throw DeviceError(fmt::format("{} has no double precision; use precision=\"single\" or another device", device.info().name));
   const auto start = std::chrono::steady_clock::now();

@@ -33,3 +33,11 @@ def test_frames_agree_with_trace(formula: str, camera: str, size: tuple[int, int
     if rounding == "outward":
         apart = abs(frame.depth.ravel()[both] - hits.t[both])
         assert (apart <= (frame.uncertainty.ravel() + hits.uncertainty)[both] * 1.001 + 1e-6).all()
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_beams_wider_than_boxes_off_the_origin(precision: str) -> None:
+    """A pixel is as wide as ten of the box, and half as far as the origin: no plane cut such beams, and f was asked where it overflows."""
+    camera = irt.Camera((103, 102, 109.3), (100, 100, 100), projection="orthographic", height=660)
+    frame = irt.render("sqrt(Abs((x - 100)*(y - 100)*(z - 100))) - 1/4", ((98, 102),) * 3, camera, (33, 33), method=irt.Contraction(beams=True), precision=precision, outputs=())
+    assert frame.status[16, 16] == Status.HIT

@@ -97,3 +97,27 @@ def test_rays_of_one_point_in_a_zero(method: str) -> None:
     ray = {"origins": (0, -0.625, -0.125), "directions": (1, 0, 0.5), "tmin": 0.5, "tmax": 0.5, "bounds": 1.125}
     found = irt.reference("sin(x - 1/2)", **ray) if method == "reference" else irt.trace("sin(x - 1/2)", **ray, method=method, precision="double")
     assert (found.kind if method == "reference" else found.status)[0] != Status.MISS
+
+
+@pytest.mark.parametrize("method", ["auto", "contract", "raa", "ia", irt.Contraction(beams=True)])
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_boxes_far_from_the_origin(method: object, projection: str) -> None:
+    """In single precision coordinates err by more than the box is wide, so that no plane cut the rays, and f was asked where it overflows."""
+    c, f = 1e6, "sqrt(Abs((x - 10^6)*(y - 10^6)*(z - 10^6))) - 1/200"
+    camera = irt.Camera((c + 0.375, c + 0.25, c + 0.625), (c, c, c), fov=40, projection=projection, height=0.375)
+    bounds = ((c - 0.125, c + 0.125),) * 3
+    truth = irt.reference(f, bounds, camera, (16, 16))
+    assert truth.hit.sum() > 20
+    for precision in ("single", "auto"):
+        frame = irt.render(f, bounds, camera, (16, 16), method=method, precision=precision, outputs=())
+        assert not (truth.hit & (frame.status == Status.MISS)).any(), precision
+
+
+@pytest.mark.parametrize("method", ["contract", "raa", "ia"])
+def test_rays_from_too_far_are_open(method: str) -> None:
+    """They may lie anywhere in the bounds: contraction had a MISS where f overflows, and TOUCH at depths beyond all bounds."""
+    f, far = "sqrt(Abs(x*y*z)) - 1/4", 2.0**73
+    found = irt.trace(f, [(0.5, 0.5, far), (0.5 + far, 0.5 + far, 0.75)], [(0, 0, -1), (-1, -1, 0)], bounds=1.5, method=method, precision="double")
+    assert (found.status == Status.UNRESOLVED).all() and (found.t == 0).all()
+    frame = irt.render("sqrt(Abs(x*y*z)) - 4/10^9", 0.0015, irt.Camera((3e12, 2e12, 9e12), projection="orthographic", height=0.003), (9, 9), method=method, outputs=())
+    assert not frame.stats.counts["MISS"] and not frame.stats.counts["TOUCH"]
