@@ -21,7 +21,7 @@ std::string literal(double v) {
 }
 
 double nearest(const numerics::Bounds& b, Precision precision) {
-  const double middle = b.lo + 0.5 * (b.hi - b.lo);
+  const double middle = std::isinf(b.lo) ? b.lo : b.lo + 0.5 * (b.hi - b.lo);
   return precision == Precision::Single ? static_cast<double>(static_cast<float>(middle)) : middle;
 }
 

@@ -208,3 +208,12 @@ def test_forms_of_what_is_never_negative_may_be(formula: str, precision: str) ->
         slack = 1e-9 * (1 + np.abs(values))
         with np.errstate(invalid="ignore"):
             assert not ((values < bounds[:, 0] - slack) | (values > bounds[:, 1] + slack)).any()
+
+
+@pytest.mark.parametrize("algebra", ["ia", "raa"])
+@pytest.mark.parametrize("formula", ["x - 10^320", "x^3 + x - 10^320*x^6", "Max(x - 10^320, -10^310)"])
+def test_constants_below_all_doubles(formula: str, algebra: str) -> None:
+    """Their nearest double was nan, and drivers refused the kernel."""
+    for precision in ("single", "double"):
+        low, high = irt.enclose(formula, [0.5, 0, 0], [1, 0, 0], algebra=algebra, precision=precision)[0]
+        assert low == -np.inf and high >= -np.finfo(np.float64).max
