@@ -61,17 +61,17 @@ std::uint32_t shade(glm::dvec3 n, bool front, const glm::dvec3& v, const Options
 }  // namespace
 
 std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size_t>& pixels, std::size_t pitch) {
-  // As Camera.rays does in Python.
+  // As Camera.rays does in Python, to the last bit: what is said of a pixel is said of that ray, and far from the origin rounding moves rays by more than brackets are wide.
   const double half = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<double>(view.columns) / view.rows;
   std::vector<numerics::Ray> rays;
   for (const std::size_t i : pixels) {
     const double column = static_cast<double>(i % pitch), row = static_cast<double>(i / pitch);
-    const glm::dvec3 off = (2 * (column + 0.5 + view.right_by) / view.columns - 1) * half * aspect * view.right +
-                           (1 - 2 * (row + 0.5 + view.down_by) / view.rows) * half * view.up;
+    const double u = 2 * (column + 0.5 + view.right_by) / view.columns - 1, v = 1 - 2 * (row + 0.5 + view.down_by) / view.rows;
+    const glm::dvec3 there = (view.perspective ? view.forward : view.origin) + u * half * aspect * view.right + v * half * view.up;
     if (view.perspective) {
-      rays.push_back({view.origin, glm::normalize(view.forward + off)});
+      rays.push_back({view.origin, there / glm::length(there)});
     } else {
-      rays.push_back({view.origin + off, view.forward});
+      rays.push_back({there, view.forward});
     }
   }
   return rays;

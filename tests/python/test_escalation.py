@@ -118,3 +118,17 @@ def test_a_slider_builds_nothing_even_where_many_pixels_become_open() -> None:
 def test_a_budget_of_pieces_is_kept() -> None:
     hits = irt.trace("x^2 + y^2 + z^2 - 1", (0.3, 0.2, -3), (0, 0, 1), bounds=2, max_pieces=1)
     assert hits.status[0] == irt.Status.UNRESOLVED
+
+
+@pytest.mark.parametrize("method", ["contract", "frustum-newton"])
+@pytest.mark.parametrize("projection", ["orthographic", "perspective"])
+def test_the_reference_takes_the_rays_of_the_camera(projection: str, method: str) -> None:
+    """Its brackets are narrower than what rounding does to rays far from the origin, and rays rounded otherwise had other roots."""
+    camera = irt.Camera((74417.2, -6.1, 74417.6), (74421.5, 0, 74421.5), projection=projection, height=3.2, fov=25)
+    f, bounds = "(x - 74421.5)^2 + y^2 + (z - 74421.5)^2 - 1 + (x - 74421.5)*y*(z - 74421.5)", ((74420, 74423), (-1.5, 1.5), (74420, 74423))
+    reference = irt.reference(f, bounds, camera, (16, 16))
+    frame = irt.render(f, bounds, camera, (16, 16), method=method, eps=1e-6 if method == "contract" else 1e-12, outputs=())
+    assert frame.stats.escalated >= 40
+    hit = frame.status == irt.Status.HIT
+    assert (hit == reference.hit).all()
+    assert (np.abs(frame.depth - reference.depth)[hit] <= 2 * frame.uncertainty[hit]).all()
