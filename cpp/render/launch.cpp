@@ -18,6 +18,7 @@
 #include "caps.h"
 #include "error.h"
 #include "numerics/widest.h"
+#include "program/text.h"
 
 namespace irt::render {
 namespace {
@@ -138,9 +139,9 @@ glm::dvec3 brackets_reach(const Bounds& bounds) { return 2.0 * glm::max(glm::abs
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
   Reals ends(precision, 2 * program.inputs());
   for (std::size_t i = 0; i < program.inputs(); ++i) {
-    const double v = options.parameters[i];
-    ends.set(2 * i, precision == program::Precision::Double ? v : static_cast<double>(float_below(v)));
-    ends.set(2 * i + 1, precision == program::Precision::Double ? v : static_cast<double>(float_above(v)));
+    const numerics::Bounds b = program::outward({options.parameters[i], options.parameters[i]}, precision);
+    ends.set(2 * i, b.lo);
+    ends.set(2 * i + 1, b.hi);
   }
   return ends;
 }
