@@ -46,6 +46,24 @@ def formula(seed: int) -> str:
     return f"{part} - {rng.randint(-6, 6)}/16"
 
 
+def believe(hits: irt.Hits, truth: irt.Reference, where: str) -> None:
+    """Asserts that no status of `hits` contradicts the reference along the same rays."""
+
+    def never(what: str, lies: np.ndarray) -> None:
+        rays = np.flatnonzero(lies)
+        assert not len(rays), f"{what}: {where}: ray {rays[0]}: t {hits.t[rays[0]]} +- {hits.uncertainty[rays[0]]}, reference {truth.bracket[rays[0]]}"
+
+    found, proven = truth.hit, hits.status == Status.HIT
+    low, high = hits.t - hits.uncertainty, hits.t + hits.uncertainty
+    never("wrong MISS", found & (hits.status == Status.MISS))
+    never("wrong HIT", (truth.kind == Status.MISS) & proven)
+    with np.errstate(invalid="ignore"):
+        never("bracket without its root", proven & found & ((truth.bracket[:, 1] < low) | (truth.bracket[:, 0] > high)))
+        # No zero lies before the piece that the reference leaves open.
+        never("HIT before any zero", proven & (truth.kind == Status.UNRESOLVED) & (high < truth.bracket[:, 0]))
+        never("UNRESOLVED behind a root", (hits.status == Status.UNRESOLVED) & found & (truth.bracket[:, 1] < hits.t))
+
+
 def check(
     f: str, size: int, seed: int, methods: tuple[Any, ...], widths: tuple[float, ...], bounds: Any = 1.5
 ) -> dict[tuple[Any, float], dict[str, int]]:
@@ -65,23 +83,8 @@ def check(
         for eps in widths:
             hits = irt.trace(f, origins, directions, bounds=bounds, method=method, eps=eps)
             where = f"{f!r}, bounds {bounds}, {method}, eps {eps:g}"
-            found = truth.hit
-            wrong_miss = np.flatnonzero(found & (hits.status == Status.MISS))
-            assert not len(wrong_miss), (
-                f"wrong MISS: {where}: ray {wrong_miss[0]} of seed {seed}: {truth.bracket[wrong_miss[0]]}"
-            )
-            wrong_hit = np.flatnonzero((truth.kind == Status.MISS) & (hits.status == Status.HIT))
-            assert not len(wrong_hit), f"wrong HIT: {where}: ray {wrong_hit[0]} of seed {seed}: {hits.t[wrong_hit[0]]}"
+            believe(hits, truth, f"{where}, seed {seed}")
             proven = hits.status == Status.HIT
-            low, high = hits.t - hits.uncertainty, hits.t + hits.uncertainty
-            with np.errstate(invalid="ignore"):
-                apart = proven & found & ((truth.bracket[:, 1] < low) | (truth.bracket[:, 0] > high))
-                # No zero lies before the piece that the reference leaves open.
-                early = proven & (truth.kind == Status.UNRESOLVED) & (high < truth.bracket[:, 0])
-            assert not apart.any(), f"bracket without its root: {where}: ray {np.flatnonzero(apart)[0]} of seed {seed}"
-            assert not early.any(), f"HIT before any zero: {where}: ray {np.flatnonzero(early)[0]} of seed {seed}"
-            behind = (hits.status == Status.UNRESOLVED) & found & (truth.bracket[:, 1] < hits.t)
-            assert not behind.any(), f"UNRESOLVED behind a root: {where}: ray {np.flatnonzero(behind)[0]} of seed {seed}"
             simple = truth.kind == Status.HIT
             counts[method, eps] = {
                 "rays": size, "simple": int(simple.sum()), "hits": int((simple & proven).sum()),

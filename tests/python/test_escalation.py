@@ -131,4 +131,4 @@ def test_the_reference_takes_the_rays_of_the_camera(projection: str, method: str
     assert frame.stats.escalated >= 40
     hit = frame.status == irt.Status.HIT
     assert (hit == reference.hit).all()
-    assert (np.abs(frame.depth - reference.depth)[hit] <= 2 * frame.uncertainty[hit]).all()
+    assert (np.abs(frame.depth[hit] - reference.depth[hit]) <= 2 * frame.uncertainty[hit]).all()
