@@ -11,6 +11,11 @@
 #define RA_POWER(a, power_below, power_twice, n, even) \
   ra_power(a, RA_MOST(a), power_below(fabs((a).x)), power_twice(RA_MOST(a)), n, even)
 
+// The range of an even power of a base, by the least and the largest size of it. power(a) = a^n; compilers take the upper end from RA_POWER.
+#define RA_EVEN_POWER_RANGE(a, power, power_twice, k) ia_power_even(power(ra_least(a)), power_twice(RA_MOST(a)) * RA_MOST(a) * RA_MOST(a), k)
+
+static inline F ra_least(RA a) { return max(LOWER(fabs(a.x) - ra_rad(a) * (R(1.0) + R(1.0) * ULP), EXACT), (F)0); }
+
 static inline RA ra_power(RA a, F most, F below, F twice, real n, I even) {
   const F size = fabs(a.x), reach = ra_rad(a);
   const F power = below * size, top = twice * most * most, steep = n * below;

@@ -129,9 +129,7 @@ class AffineEmitter {
     }
     emit_form(v);
     if (!(loses_[static_cast<std::size_t>(v)] = inherits(v)) || has_range_[static_cast<std::size_t>(v)]) return;
-    const std::string a = range(in.a), b = range(in.b);
-    const std::string whole = form(v);
-    text_ += fmt::format("  const IA {} = ia_meet(ra_range({}), {});\n", name(v, 'q'), whole, interval_rule(program_, v, a, b, precision_, powers_));
+    text_ += fmt::format("  const IA {} = {};\n", name(v, 'q'), range_beside_form(v));
     has_range_[static_cast<std::size_t>(v)] = 1;
   }
 
@@ -141,6 +139,18 @@ class AffineEmitter {
     for (Value w : {in.a, in.b, in.c})
       if (w >= 0) most = std::max(most, loses_[static_cast<std::size_t>(w)]);
     return most;
+  }
+
+  // A range that goes along with a form.
+  std::string range_beside_form(Value v) {
+    const Instruction& in = program_[v];
+    // Of a coordinate's power the exact range, whose upper end the form has as well.
+    if (in.code == Code::Power && in.index > kSteep && in.index % 2 == 0 && program_[in.a].code == Code::Coordinate) {
+      powers_.insert(in.index);
+      return fmt::format("RA_EVEN_POWER_RANGE({0}, power_{1}, power_{2}, R({3}.0))", form(in.a), in.index, in.index - 2, in.index / 2);
+    }
+    const std::string a = range(in.a), b = range(in.b), alone = interval_rule(program_, v, a, b, precision_, powers_);
+    return fmt::format("ia_meet(ra_range({}), {})", form(v), alone);
   }
 
   // Operators whose affine rule needs no ranges.
