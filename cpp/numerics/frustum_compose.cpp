@@ -196,7 +196,7 @@ Tensor coordinate(const Frustum& f, int axis) {
         const Quad s = k ? f.far : f.near, spread = f.perspective ? Quad(f.distance) + s : Quad(1);
         const Quad sx = Quad(f.left) + Quad(f.tile_x0 + (i ? f.span_x() : 0)) * Quad(f.across),
                    sy = Quad(f.top) + Quad(f.tile_y0 + (j ? f.span_y() : 0)) * Quad(f.down);
-        const Quad parts[] = {Quad(f.middle[axis]), sx * spread * Quad(f.right[axis]), sy * spread * Quad(f.up[axis]), s * Quad(f.forward[axis])};
+        const Quad parts[] = {Quad(f.middle[axis]) + Quad(f.middle_rest[axis]), sx * spread * Quad(f.right[axis]), sy * spread * Quad(f.up[axis]), s * Quad(f.forward[axis])};
         r.values.set(static_cast<std::size_t>((i * 2 + j) * 2 + k), rounded(parts[0] + parts[1] + parts[2] + parts[3]));
       }
   return r;

@@ -207,7 +207,8 @@ class Cutter {
   bool cut(const Block& block, Form form, const Extent& extent, double error, int level) {
     if (block.y0 >= frustum_.tile_y1) return true;
     const double largest = extent.size(), known = error + (form.lo ? 0x1p-53 * largest : 0);
-    if (extent.lowest > known || extent.highest < -known || hidden(block) || place(block) > 0) return true;
+    const double unsure = known + astray(block, largest, along_coefficients());
+    if (extent.lowest > unsure || extent.highest < -unsure || hidden(block) || place(block) > 0) return true;
     if (!form.lo || (largest > allowed_ && level < kPreciseCuts)) return cut_further(block, form, largest, error, level);
     if (!demand_.reduced) return in_double(block, form, extent, known, largest, level) || cut_further(block, form, largest, error, level);
     if (in_strips(block, level, form.hi, {m_, 1}, known, largest)) return true;
@@ -322,20 +323,20 @@ class Cutter {
     const std::size_t width = reduction_->width(), net_width = reduction_->net_width();
     double beside = 0;
     for (std::size_t k = 0; k < n_; ++k) beside = std::max(beside, reduction_->beside(pencil + k * width));
-    if (extent.lowest - beside > error || extent.highest + beside < -error) return true;
+    const double largest = extent.size() + beside, off = astray(block, largest, along_values());
+    if (extent.lowest - beside > error + off || extent.highest + beside < -(error + off)) return true;
     if (placed == 0) placed = place(block);  // what lies inside has parts inside
     if (placed > 0) return true;
-    const double largest = extent.size() + beside;
     const Runs runs{n_, net_width, net_width, 1, 0};
     const bool shortest = block.last - block.first == 1;
     const bool winds = !demand_.few && cuts_left(block, kUsualDepthCuts + 1) && static_cast<double>(winding(net, runs)) > kWinding * static_cast<double>(net_width);
     if (!winds && !too_long(block, error, largest, kMostBlurOfNets, [&] { return steps_of(net, runs); }, [&] { return slowest_change(net, runs); }) &&
         reduction_->run(pencil, kLost * demand_.unit * largest, shortest, reduced_)) {
       const Extent first = extent_of(net, net_width), last = extent_of(net + (n_ - 1) * net_width, net_width);
-      const double known = error + beside;
+      const double known = error + beside + off;
       if (!suffices(error / largest, [&] { return blur(block, error, slowest_change(net, runs)); })) return false;
       const bool enters = (first.lowest > known && last.highest < -known) || (first.highest < -known && last.lowest > known);
-      return emit(block, pencil, error, largest, enters && placed < 0);
+      return emit(block, pencil, error, largest, off, enters && placed < 0);
     }
     double *const second = pencils_[level].of(n_ * (width + net_width)), *const second_net = second + n_ * width;
     halve_unseen(pencil, second, {n_, width, width, 1, 0});
@@ -397,6 +398,23 @@ class Cutter {
   }
 
   double length(const Block& b) const { return at(b.last) - at(b.first); }
+
+  // How far values in a block, none of them or of its coefficients larger than `largest`, may be off because rays lie a little beside where they should. `slope`: how steep it is at most
+  // from side to side, in parts of that: a polynomial of degree n by its coefficients, which differ by 2 at most, and by its values (Markov).
+  double astray(const Block& b, double largest, double slope) const { return largest * slope * (frustum_.astray.x + frustum_.astray.y / (b.y1 - b.y0)); }
+  // The same by the coefficients of a block; errors of these add a millionth of a millionth of themselves, for which bounds have room.
+  double astray(const Block& b, const double* form) const {
+    double across = 0, down = 0;
+    for (std::size_t line = 0; line < n_ * n_; ++line)
+      for (std::size_t i = 0; i < n_; ++i) {
+        const double* const c = form + line * m_ + i;
+        if (i + 1 < n_) across = std::max(across, std::fabs(c[1] - c[0]));
+        if (line < (n_ - 1) * n_) down = std::max(down, std::fabs(c[n_ * m_] - c[0]));
+      }
+    return 1.01 * static_cast<double>(n_ - 1) * (across * frustum_.astray.x + down * frustum_.astray.y / (b.y1 - b.y0));
+  }
+  double along_coefficients() const { return 2 * static_cast<double>(n_ - 1); }
+  double along_values() const { return 2 * static_cast<double>((n_ - 1) * (n_ - 1)); }
   // Whether the block has been halved along its depth less often than that.
   static bool cuts_left(const Block& b, int cuts) { return b.last - b.first > 1 << (kMostDepthCuts - cuts); }
   bool long_slab(const Block& b) const { return cuts_left(b, demand_.few && n_ <= kMostDegreeOfFew + 1 ? kUsualDepthCutsOfFew : kUsualDepthCuts); }
@@ -443,8 +461,8 @@ class Cutter {
   }
 
   // full: every ray has a root in it, and what is behind nobody sees.
-  bool emit(const Block& b, const double* pencil, double error, double largest, bool full) {
-    const double scale = scale_of(largest), kept = error * scale + 0x1p-52;
+  bool emit(const Block& b, const double* pencil, double error, double largest, double off, bool full) {
+    const double scale = scale_of(largest), kept = (error + off) * scale + 0x1p-52;
     if (full) full_[b.y0 - frustum_.tile_y0] = true;
     const auto down = static_cast<std::int32_t>(reduced_.down), across = static_cast<std::int32_t>(reduced_.across);
     Cells::Cell cell{at(b.first), at(b.last), bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, demand_.unit, scale * reduced_.weight), down, across, 0};
@@ -461,14 +479,14 @@ class Cutter {
   }
 
   bool emit(const Block& b, const Form& form, double error, double largest) {
-    const double scale = scale_of(largest), kept = error * scale + 0x1p-52;
-    if (!form.lo && !suffices(kept, [] { return HUGE_VAL; })) return false;
+    const double scale = scale_of(largest), off = astray(b, form.hi), unsure = error + off, kept = unsure * scale + 0x1p-52;
+    if (!form.lo && !suffices(error * scale + 0x1p-52, [] { return HUGE_VAL; })) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_ && (above || below); ++j)
       for (std::size_t i = 0; i < n_; ++i) {
         const double first = form.hi[j * n_ * m_ + i], last = form.hi[(j * n_ + n_ - 1) * m_ + i];
-        above = above && first > error && last < -error;
-        below = below && first < -error && last > error;
+        above = above && first > unsure && last < -unsure;
+        below = below && first < -unsure && last > unsure;
       }
     if ((above || below) && place(b) < 0) full_[b.y0 - frustum_.tile_y0] = true;
     const auto n = static_cast<std::int32_t>(n_);

@@ -22,6 +22,8 @@ namespace irt::numerics {
 // 1 otherwise. sx and sy are linear across the screen, in tiles: sx = left + tile * across, sy = top + tile * down.
 struct Frustum {
   glm::dvec3 middle, right, up, forward;
+  glm::dvec3 middle_rest{0};  // what rounding to `middle` left over
+  glm::dvec2 astray{0};       // how far rays may lie beside where they should, across and down, in tiles
   bool perspective = true;
   double distance = 0;
   long double left = 0, across = 0, top = 0, down = 0;

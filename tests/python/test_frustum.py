@@ -325,3 +325,18 @@ def test_small_pictures_are_searched_in_double() -> None:
     for size, precision in (((64, 64), "double"), ((128, 128), "single and double")):
         frame = irt.render(surface, size=size, method="frustum-newton", eps=1e-6, outputs=())
         assert frame.stats.precision == precision and frame.stats.wide == 0
+
+
+@pytest.mark.parametrize("method", ["frustum-newton", "frustum-lr"])
+@pytest.mark.parametrize("precision", ["auto", "double"])
+def test_brackets_far_from_the_origin_hold_the_roots_of_the_camera_s_rays(precision: str, method: str) -> None:
+    """Rays of orthographic views are rounded where they begin, which near silhouettes moves roots by more than brackets are wide."""
+    c = 1e8
+    f, bounds = "(x - 10^8)^2 + y^2 + (z - 10^8)^2 - 1", ((c - 1.5, c + 1.5), (-1.5, 1.5), (c - 1.5, c + 1.5))
+    camera = irt.Camera((c - 4.25, -6.125, c - 3.875), (c, 0, c), projection="orthographic", height=3.2)
+    truth = irt.reference(f, bounds, camera, (250, 200))
+    frame = irt.render(f, bounds, camera, (250, 200), method=method, precision=precision, eps=2e-6, outputs=())
+    hit = frame.status == irt.Status.HIT
+    assert (hit & truth.hit).sum() > 10_000 and not ((frame.status == irt.Status.MISS) & truth.hit).any() and not (hit & (truth.kind == irt.Status.MISS)).any()
+    both = hit & truth.hit
+    assert (truth.bracket[both][:, 1] >= (frame.depth - frame.uncertainty)[both]).all() and (truth.bracket[both][:, 0] <= (frame.depth + frame.uncertainty)[both]).all()
