@@ -479,7 +479,9 @@ class Cutter {
   }
 
   bool emit(const Block& b, const Form& form, double error, double largest) {
-    const double scale = scale_of(largest), off = astray(b, form.hi), unsure = error + off, kept = unsure * scale + 0x1p-52;
+    // Where rounding to the kernel's reals is more, nothing closer is looked for.
+    const double most_off = astray(b, largest, along_coefficients()), off = most_off <= demand_.unit * largest ? most_off : astray(b, form.hi);
+    const double scale = scale_of(largest), unsure = error + off, kept = unsure * scale + 0x1p-52;
     if (!form.lo && !suffices(error * scale + 0x1p-52, [] { return HUGE_VAL; })) return false;
     bool above = true, below = true;  // at the near end, and the opposite at the far one, on every ray
     for (std::size_t j = 0; j < n_ && (above || below); ++j)
