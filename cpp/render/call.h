@@ -117,6 +117,11 @@ struct Options {
   bool by_frustum() const { return finder.starts_with("frustum_"); }
 };
 
+struct Tally {
+  std::array<std::size_t, 4> counts{};  // by status
+  std::size_t wide_hits = 0;            // HITs wider than eps
+};
+
 // Per pixel or ray; `pitch` elements lie between rows. depth and uncertainty are double where `wide`.
 struct Answer {
   std::size_t columns = 0, rows = 1, pitch = 0;
@@ -124,10 +129,6 @@ struct Answer {
   std::optional<Memory> depth, uncertainty, status, normal, rgba, pieces;  // normal: three planes of rows * pitch floats
   std::size_t escalated = 0;     // pixels that another pass decides, or the reference
   std::size_t by_reference = 0;  // of these, those that the reference was asked about
-  struct Tally {
-    std::array<std::size_t, 4> counts{};  // by status
-    std::size_t wide_hits = 0;            // HITs wider than eps
-  };
   std::optional<Tally> tally;  // of the results as they are, once they have been looked at
   bool in_double = false;  // from the start, though the call left that open
   bool marched = false;  // the frustum form was refused, and contraction ran (Options::or_march)

@@ -373,7 +373,7 @@ bool is_undecided(const Answer& answer, std::size_t i, const Options& options) {
 
 // Counts what there is, row by row; `open` gets what undecided() tells. With fast rounding no bracket has a width.
 void look(Answer& answer, const Options& options, std::vector<std::size_t>* open) {
-  Answer::Tally& tally = answer.tally.emplace();
+  Tally& tally = answer.tally.emplace();
   const auto rows = [&](const auto* half, auto most) {
     for (std::size_t row = 0; row < answer.rows; ++row, half += answer.pitch) {
       const auto* status = answer.status->as<unsigned char>() + row * answer.pitch;
