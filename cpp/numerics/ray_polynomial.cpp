@@ -21,6 +21,12 @@ int sign_of(const mpq_class& v) { return sgn(v); }
 template <class T>
 constexpr bool kExact = std::is_same_v<T, mpq_class>;
 
+// Doubles never take long.
+template <class T>
+void pause(const Stop& stop) {
+  if constexpr (!std::is_same_v<T, Interval>) stop();
+}
+
 Interval half(const Interval& v) { return {0.5 * v.lo - 0x1p-1074, 0.5 * v.hi + 0x1p-1074}; }
 Fixed half(const Fixed& v) { return v.half(); }
 mpq_class half(const mpq_class& v) { return v / 2; }
@@ -51,9 +57,9 @@ template <class T>
 using Coefficients = std::vector<T>;
 
 template <class T>
-Coefficients<T> product(const Coefficients<T>& a, const Coefficients<T>& b) {
+Coefficients<T> product(const Coefficients<T>& a, const Coefficients<T>& b, const Stop& stop) {
   Coefficients<T> r(a.size() + b.size() - 1, T(0.0));
-  for (std::size_t i = 0; i < a.size(); ++i)
+  for (std::size_t i = 0; i < a.size(); ++i, pause<T>(stop))
     for (std::size_t j = 0; j < b.size(); ++j) r[i + j] = r[i + j] + a[i] * b[j];
   return r;
 }
@@ -67,11 +73,11 @@ void raise(Coefficients<T>& a, std::size_t size) {
 }
 
 template <class T>
-Coefficients<T> power(Coefficients<T> base, long n) {
+Coefficients<T> power(Coefficients<T> base, long n, const Stop& stop) {
   Coefficients<T> r{T(1.0)};
   for (; n; n >>= 1) {
-    if (n & 1) r = product(r, base);
-    if (n > 1) base = product(base, base);
+    if (n & 1) r = product(r, base, stop);
+    if (n > 1) base = product(base, base, stop);
   }
   return r;
 }
@@ -89,10 +95,10 @@ void to_bernstein(Coefficients<T>& s) {
 
 // b becomes the right half, the result is the left one.
 template <class T>
-Coefficients<T> split(Coefficients<T>& b) {
+Coefficients<T> split(Coefficients<T>& b, const Stop& stop) {
   Coefficients<T> left;
   left.reserve(b.size());
-  for (std::size_t n = b.size(); n > 0; --n) {
+  for (std::size_t n = b.size(); n > 0; --n, pause<T>(stop)) {
     left.push_back(b[0]);
     for (std::size_t i = 0; i + 1 < n; ++i) b[i] = half(b[i] + b[i + 1]);
   }
@@ -168,7 +174,7 @@ constexpr int kDeepest = 50;  // halvings: to 1e-15 of the range
 
 // Looks only at pieces that meet `window`.
 template <class T>
-Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack, Piece window) {
+Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack, Piece window, const Stop& stop) {
   Found<T> found;
   while (!stack.empty()) {
     auto [piece, b] = std::move(stack.back());
@@ -205,7 +211,7 @@ Found<T> next_root(std::vector<std::pair<Piece, Coefficients<T>>> stack, Piece w
       return found;
     }
     const double m = 0.5 * (piece.a + piece.b);
-    Coefficients<T> first = split(b);
+    Coefficients<T> first = split(b, stop);
     stack.emplace_back(Piece{m, piece.b}, std::move(b));
     stack.emplace_back(Piece{piece.a, m}, std::move(first));
   }
@@ -258,11 +264,11 @@ void trim(Exact& p) {
 }
 
 // Power basis in u from Bernstein coefficients: forward differences times binomials.
-Exact to_powers(Exact b) {
+Exact to_powers(Exact b, const Stop& stop) {
   Exact r;
   mpz_class binomial = 1;
   const std::size_t d = b.size() - 1;
-  for (std::size_t k = 0; k <= d; ++k) {
+  for (std::size_t k = 0; k <= d; ++k, stop()) {
     if (k) binomial = binomial * static_cast<unsigned long>(d - k + 1) / static_cast<unsigned long>(k);
     r.push_back(b[0] * binomial);
     for (std::size_t i = 0; i + 1 < b.size(); ++i) b[i] = b[i + 1] - b[i];
@@ -272,11 +278,11 @@ Exact to_powers(Exact b) {
   return r;
 }
 
-Exact from_powers(const Exact& p) {
+Exact from_powers(const Exact& p, const Stop& stop) {
   // b_i = sum_k C(i, k) / C(d, k) p_k
   const unsigned long d = p.size() - 1;
   Exact b(p.size());
-  for (unsigned long i = 0; i <= d; ++i)
+  for (unsigned long i = 0; i <= d; ++i, stop())
     for (unsigned long k = 0; k <= i; ++k) {
       mpz_class over_i, over_d;
       mpz_bin_uiui(over_i.get_mpz_t(), i, k);
@@ -287,13 +293,13 @@ Exact from_powers(const Exact& p) {
 }
 
 // a = q b + r
-std::pair<Exact, Exact> divide(Exact a, const Exact& b) {
+std::pair<Exact, Exact> divide(Exact a, const Exact& b, const Stop& stop) {
   Exact q(a.size() >= b.size() ? a.size() - b.size() + 1 : 0);
   while (a.size() >= b.size()) {
     const mpq_class f = a.back() / b.back();
     const std::size_t shift = a.size() - b.size();
     q[shift] = f;
-    for (std::size_t i = 0; i < b.size(); ++i) a[shift + i] -= f * b[i];
+    for (std::size_t i = 0; i < b.size(); ++i, stop()) a[shift + i] -= f * b[i];
     a.pop_back();
     trim(a);
   }
@@ -305,16 +311,49 @@ void make_monic(Exact& p) {
   for (mpq_class& c : p) c /= lead;
 }
 
-Exact without_multiples(const Exact& p) {
+// Whether p has no multiple factors, as far as its image modulo a prime tells: a common factor of p and its derivative is one of their images as well, where the
+// prime does not divide the leading coefficient. Euclid's algorithm with rationals takes seconds at degree 200, where there is hardly ever anything to find.
+bool surely_simple(const Exact& p) {
+  constexpr std::uint64_t prime = (std::uint64_t{1} << 61) - 1;
+  const auto times = [](std::uint64_t x, std::uint64_t y) { return static_cast<std::uint64_t>(static_cast<unsigned __int128>(x) * y % prime); };
+  const auto inverse = [&](std::uint64_t x) {
+    std::uint64_t r = 1;
+    for (std::uint64_t n = prime - 2; n; n >>= 1, x = times(x, x))
+      if (n & 1) r = times(r, x);
+    return r;
+  };
+  std::vector<std::uint64_t> a, b;
+  for (const mpq_class& c : p) {
+    const std::uint64_t denominator = mpz_fdiv_ui(c.get_den_mpz_t(), prime);
+    if (denominator == 0) return false;
+    a.push_back(times(mpz_fdiv_ui(c.get_num_mpz_t(), prime), inverse(denominator)));
+  }
+  if (a.back() == 0) return false;
+  for (std::size_t k = 1; k < a.size(); ++k) b.push_back(times(a[k], k));
+  while (!b.empty()) {
+    const std::uint64_t lead = inverse(b.back());
+    while (a.size() >= b.size()) {
+      const std::uint64_t f = prime - times(a.back(), lead);
+      const std::size_t shift = a.size() - b.size();
+      for (std::size_t i = 0; i < b.size(); ++i) a[shift + i] = (a[shift + i] + times(f, b[i])) % prime;
+      while (!a.empty() && a.back() == 0) a.pop_back();
+    }
+    std::swap(a, b);
+  }
+  return a.size() == 1;
+}
+
+Exact without_multiples(const Exact& p, const Stop& stop) {
+  if (surely_simple(p)) return p;
   Exact a = p, b;
   for (std::size_t k = 1; k < p.size(); ++k) b.push_back(p[k] * static_cast<unsigned long>(k));
   while (!b.empty()) {
     make_monic(b);
-    Exact r = divide(a, b).second;
+    Exact r = divide(a, b, stop).second;
     a = std::move(b);
     b = std::move(r);
   }
-  return divide(p, a).first;
+  return divide(p, a, stop).first;
 }
 
 int sign_at(const Exact& powers, const mpq_class& at) {
@@ -348,7 +387,7 @@ Place place(const Clip& clip, double lo, double hi) {
 
 // The first root in the clip of a polynomial given by s_i; undecided where T does not know enough.
 template <class T>
-Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic arithmetic) {
+Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic arithmetic, const Stop& stop) {
   to_bernstein(s);
   const double span = range.t1 - range.t0;
   std::vector<std::pair<Piece, Coefficients<T>>> stack;
@@ -356,7 +395,7 @@ Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic 
   // No wider than rounding makes it: where no sign is known, all of it outside the clip is cut into the smallest pieces.
   const Piece window{down(down(clip.enter_lo - range.t0) / up(span)), up(up(clip.leave_hi - range.t0) / down(span))};
   for (;;) {
-    Found<T> found = next_root(std::move(stack), window);
+    Found<T> found = next_root(std::move(stack), window, stop);
     if (found.what == Found<T>::none) return {Kind::miss, 0, 0, arithmetic};
     Piece p = found.piece;
     Root root{Kind::undecided, range.at(p.a, false), range.at(p.b, true), arithmetic};
@@ -378,20 +417,20 @@ Root search(Coefficients<T> s, const Range& range, const Clip& clip, Arithmetic 
   }
 }
 
-Root search_exactly(Exact s, const Range& range, const Clip& clip) {
+Root search_exactly(Exact s, const Range& range, const Clip& clip, const Stop& stop) {
   to_bernstein(s);
-  const Exact powers = to_powers(std::move(s));
+  const Exact powers = to_powers(std::move(s), stop);
   if (powers.empty()) return {Kind::touch, clip.enter_lo, clip.enter_lo, Arithmetic::exact};  // the ray lies in the surface
   if (powers.size() == 1) return {Kind::miss, 0, 0, Arithmetic::exact};
-  const Exact simple = without_multiples(powers);
-  Coefficients<mpq_class> b = from_powers(simple);
+  const Exact simple = without_multiples(powers, stop);
+  Coefficients<mpq_class> b = from_powers(simple, stop);
   const unsigned long d = b.size() - 1;
   for (unsigned long i = 0; i <= d; ++i) {
     mpz_class binomial;
     mpz_bin_uiui(binomial.get_mpz_t(), d, i);
     b[i] *= binomial;  // search divides by them
   }
-  Root root = search<mpq_class>(std::move(b), range, clip, Arithmetic::exact);
+  Root root = search<mpq_class>(std::move(b), range, clip, Arithmetic::exact, stop);
   if (root.kind == Kind::undecided && clip.enter_lo == clip.enter_hi && root.lo <= clip.enter_lo && clip.enter_lo <= root.hi) {
     // A root at the start of the ray, which counts, is none that rounding may have moved there.
     const mpq_class start(clip.enter_lo), t0(range.t0), t1(range.t1);
@@ -489,7 +528,7 @@ std::optional<PolynomialPlan> PolynomialPlan::of(const Formula& formula) {
 }
 
 template <class T>
-std::vector<T> PolynomialPlan::along(const Ray& ray, double t0, double t1, const std::vector<T>& constants) const {
+std::vector<T> PolynomialPlan::along(const Ray& ray, double t0, double t1, const std::vector<T>& constants, const Stop& stop) const {
   std::vector<Coefficients<T>> values(degree_.size());
   for (std::size_t i = 0; i < degree_.size(); ++i) {
     const Formula::Step& step = formula_->steps()[i];
@@ -500,10 +539,10 @@ std::vector<T> PolynomialPlan::along(const Ray& ray, double t0, double t1, const
       const T o(ray.origin[step.axis]), d(ray.direction[step.axis]);
       r = {o + d * T(t0), o + d * T(t1)};
     } else if (step.e.op() == Op::Pow) {
-      r = power(values[step.args[0]], step.exponent);
+      r = power(values[step.args[0]], step.exponent, stop);
     } else if (step.e.op() == Op::Mul) {
       r = values[step.args[0]];
-      for (std::size_t k = 1; k < step.args.size(); ++k) r = product(r, values[step.args[k]]);
+      for (std::size_t k = 1; k < step.args.size(); ++k) r = product(r, values[step.args[k]], stop);
     } else {
       r = values[step.args[0]];
       for (std::size_t k = 1; k < step.args.size(); ++k) {
@@ -518,18 +557,18 @@ std::vector<T> PolynomialPlan::along(const Ray& ray, double t0, double t1, const
 }
 
 std::vector<Interval> PolynomialPlan::coefficients(const Ray& ray, double t0, double t1) const {
-  std::vector<Interval> c = along(ray, t0, t1, in_double_);
+  std::vector<Interval> c = along(ray, t0, t1, in_double_, [] {});
   to_bernstein(c);
   return c;
 }
 
-Root PolynomialPlan::first_root(const Ray& ray, const Clip& clip) const {
+Root PolynomialPlan::first_root(const Ray& ray, const Clip& clip, const Stop& stop) const {
   const Range range = around(clip);
-  Root root = search(along(ray, range.t0, range.t1, in_double_), range, clip, Arithmetic::dbl);
+  Root root = search(along(ray, range.t0, range.t1, in_double_, stop), range, clip, Arithmetic::dbl, stop);
   if (root.kind != Kind::undecided) return root;
-  root = search(along(ray, range.t0, range.t1, in_fixed_), range, clip, Arithmetic::fixed);
+  root = search(along(ray, range.t0, range.t1, in_fixed_, stop), range, clip, Arithmetic::fixed, stop);
   if (root.kind != Kind::undecided || !rational_) return root;
-  return search_exactly(along(ray, range.t0, range.t1, exact_), range, clip);
+  return search_exactly(along(ray, range.t0, range.t1, exact_, stop), range, clip, stop);
 }
 
 }  // namespace irt::numerics

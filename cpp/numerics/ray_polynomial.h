@@ -8,6 +8,7 @@
 
 #include <gmpxx.h>
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -31,13 +32,17 @@ struct Clip {
   double enter_lo, enter_hi, leave_lo, leave_hi;
 };
 
+// Called now and then by what may take seconds for one ray; throws Stopped where nobody waits for it any more.
+using Stop = std::function<void()>;
+struct Stopped {};
+
 // The formula as what Bernstein arithmetic needs; nothing where it is no polynomial of degree 1 to limits::kRayDegree in
 // x, y, z.
 class PolynomialPlan {
  public:
   static std::optional<PolynomialPlan> of(const Formula& formula);
   // The first root in the clip, wherever the arithmetic can prove it. Past an undecided piece nothing is looked at.
-  Root first_root(const Ray& ray, const Clip& clip) const;
+  Root first_root(const Ray& ray, const Clip& clip, const Stop& stop) const;
 
   // Bernstein coefficients of f over t in [t0, t1] of a ray.
   std::vector<Interval> coefficients(const Ray& ray, double t0, double t1) const;
@@ -49,7 +54,7 @@ class PolynomialPlan {
 
  private:
   template <class T>
-  std::vector<T> along(const Ray& ray, double t0, double t1, const std::vector<T>& constants) const;
+  std::vector<T> along(const Ray& ray, double t0, double t1, const std::vector<T>& constants, const Stop& stop) const;
 
   const Formula* formula_ = nullptr;
   std::vector<int> degree_;              // of each step of f

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "error.h"
@@ -102,11 +103,11 @@ struct Piece {
 
 class March {
  public:
-  March(const Clip& clip, Arithmetic arithmetic) : clip_(clip), arithmetic_(arithmetic), span_(clip.leave_hi - clip.enter_lo) {}
+  March(const Clip& clip, Arithmetic arithmetic, const Stop& stop) : clip_(clip), arithmetic_(arithmetic), stop_(stop), span_(clip.leave_hi - clip.enter_lo) {}
 
   // From the last of `stack` on; where undecided, `stack` still holds that piece and what follows.
   Root run(std::vector<Piece>& stack, Along& along, int budget) {
-    while (!stack.empty()) {
+    for (; !stack.empty(); stop_()) {
       const Piece p = stack.back();
       const Look look = along.look(p.a, p.b);
       if (look.empty || look.sign) {
@@ -174,6 +175,7 @@ class March {
 
   const Clip& clip_;
   Arithmetic arithmetic_;
+  const Stop& stop_;
   double span_;
 };
 
@@ -182,14 +184,14 @@ class Subdivision {
  public:
   Subdivision(const Formula& formula, bool quick) : formula_(formula), quick_(quick), in_double_(along_in_double(formula, ray_)) {}
 
-  Root first_root(const Ray& ray, const Clip& clip) {
+  Root first_root(const Ray& ray, const Clip& clip, const Stop& stop) {
     ray_ = ray;
     std::vector<Piece> stack{{clip.enter_lo, clip.leave_hi}};
-    Root root = March(clip, Arithmetic::dbl).run(stack, *in_double_, quick_ ? static_cast<int>(std::min<std::size_t>(1000, kQuickWork / formula_.steps().size())) : kPiecesInDouble);
+    Root root = March(clip, Arithmetic::dbl, stop).run(stack, *in_double_, quick_ ? static_cast<int>(std::min<std::size_t>(1000, kQuickWork / formula_.steps().size())) : kPiecesInDouble);
     const std::size_t arithmetics = quick_ ? 1 : std::size(kPrecisions);
     for (std::size_t k = 0; k < arithmetics && root.kind == Kind::undecided; ++k) {
       if (!in_mpfr_[k]) in_mpfr_[k] = along_in_mpfr(formula_, ray_, kPrecisions[k]);
-      root = March(clip, Arithmetic::mpfr).run(stack, *in_mpfr_[k], quick_ ? kQuickPiecesInMpfr : kPiecesInMpfr);
+      root = March(clip, Arithmetic::mpfr, stop).run(stack, *in_mpfr_[k], quick_ ? kQuickPiecesInMpfr : kPiecesInMpfr);
     }
     return root;
   }
@@ -288,6 +290,10 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
       Subdivision subdivision(formula, query.quick);
       std::optional<Region> region;
       if (g) region.emplace(*g);
+      const Stop stop = [&] {
+        if (worker == 0) ask();
+        if (stopped) throw Stopped{};
+      };
       for (std::size_t first; !stopped && (first = next.fetch_add(chunk)) < rays.size();) {
         const std::size_t last = std::min(first + chunk, rays.size());
         for (std::size_t i = first; i < last && !stopped; ++i) {
@@ -296,13 +302,19 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
             roots[i] = {Kind::miss, 0, 0, Arithmetic::dbl};
           } else {
             roots[i] = {Kind::undecided, clip->enter_lo, clip->leave_hi, Arithmetic::none};
-            const auto search = [&](const Clip& c) { return plan ? plan->first_root(rays[i], c) : subdivision.first_root(rays[i], c); };
+            const auto search = [&](const Clip& c) { return plan ? plan->first_root(rays[i], c, stop) : subdivision.first_root(rays[i], c, stop); };
             roots[i] = region ? region->first_root(rays[i], *clip, search) : search(*clip);
           }
           ++done;
           if (worker == 0) ask();
         }
       }
+      // Who asks stays until the others are done.
+      for (int k = 0; worker == 0 && !stopped && done < rays.size(); ++k) {
+        ask();
+        k < 1000 ? std::this_thread::yield() : std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    } catch (const Stopped&) {  // what it was at stays open
     } catch (...) {
       const std::lock_guard lock(mutex);
       failure = std::current_exception();

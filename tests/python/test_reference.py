@@ -108,6 +108,38 @@ def test_time_limit_and_progress() -> None:
         irt.reference(irt.surfaces["superquadric_200"], size=(64, 64), progress=stop)
 
 
+@pytest.mark.parametrize("f", ["(x^3 - y*z)^66 - z^2", "(x^2 + y^2 + z^2 - 1)^99", "sin(40 x y)^2 + (z - sin(30 x))^2 + x^40/10^60"])
+def test_the_time_limit_stops_a_single_ray(f: str) -> None:
+    """Of a degree whose exact coefficients have thousands of digits, or with pieces by the hundred thousand."""
+    direction = (0.713, -0.211, 0.6691)
+    found = irt.reference(f, [np.multiply(direction, -2) + (0.1, k / 64, -0.2) for k in range(8)], direction, bounds=1.2, time_limit=0.2)
+    assert found.seconds < 3
+    unseen = found.precision == "none"
+    assert (found.kind[unseen] == Status.UNRESOLVED).all() and (found.bracket[unseen] == (0, np.inf)).all()
+    # One ray among others that are done at once, whoever has it.
+    rays = [(3, 3, 3)] * 64
+    for slow in (0, 40):
+        rays[slow] = tuple(np.multiply(direction, -2) + (0.1, 0, -0.2))
+        assert irt.reference(f, rays, direction, bounds=1.2, time_limit=0.2).seconds < 3
+        rays[slow] = (3, 3, 3)
+
+
+@pytest.mark.parametrize(
+    ("f", "kind"),
+    [
+        ("(2305843009213693951 x - 1/3)^2 (x - 1/2)", Status.TOUCH),  # all of the leading coefficient is a multiple of the prime that tells multiple roots from others
+        ("(2305843009213693951 x - 1) (x - 1/2)", Status.HIT),
+        ("(x - 1/3)^2 (x^2 + 1)/2305843009213693951", Status.TOUCH),
+        ("(3 x^2 - 1)^3 (x - 3/4)", Status.HIT),
+        ("(3 x^2 - 1)^2 (x - 3/4)", Status.TOUCH),
+        ("((x - 1/3)^2 + 1/10^20) (x - 3/4)", Status.HIT),
+    ],
+)
+def test_multiple_roots_are_told_from_close_ones(f: str, kind: Status) -> None:
+    found = irt.reference(f, (-0.8, 0, 0), (1, 0, 0), bounds=1)
+    assert found.kind[0] == kind
+
+
 @pytest.mark.parametrize(
     ("arguments", "keywords"),
     [
