@@ -273,6 +273,7 @@ class Case:
 
     plain, wild: g - z, arguments of moderate size or of all exponents    many: plain, twenty times as many
     tiny: g z, where z makes small values large    bare: g    turns: intervals with an extreme of a wave near one end
+    sums: radii that are sums of parts as large as their middles and as rounding, next to zero
     """
 
     def __init__(self, formula: str, algebra: str, kind: str, device: str, count: int) -> None:
@@ -296,6 +297,10 @@ class Case:
             from_zero = np.minimum(_single(np.abs(slope) + rest), LARGEST) * np.sign(middle)  # one end is near zero
             which = rng.random(shape) * (slope != 0)
             middle = np.where(which > 0.9, 0, np.where(which > 0.7, from_zero, middle))
+            if kind == "sums":
+                slope = rng.choice([-1, 1], shape) * _short(rng.uniform(0.7, 1, shape))
+                rest = _short(2.0 ** rng.uniform(-26, -22, shape))
+                middle = rng.choice([-1, 1], shape) * _single(rng.uniform(1.01, 1.6, shape))
             e, u = (
                 np.where(rng.random(s) < 0.75, rng.choice([-1, 1], s), rng.integers(-8, 9, s) / 8)
                 for s in ((count, 1), shape)
@@ -359,10 +364,10 @@ FORMULAS = {
     "RA_ROUNDED": ("x + y", "x - y"), "ra_mul": ("x*y",), "ra_sqr": ("x^2",), "ra_scale": ("Min(3*x, 100)", "Min(2.3*x, 100)", "Min(1e-20*x, 100)"),
     "ra_scale_add": ("2.3*x + y", "3*x - y", "1e-20*x + y"),
     "ra_shift": ("Min(x + 1/3, 100)", "x + 0.1"), "ra_range": ("x",), "ra_from_range": ("Min(x, y)",), "RA_MOST": ("x^15", "x^31"),
-    "ra_power": ("x^5", "x^6", "x^7", "x^8"), "ra_recip": ("1/x",), "ra_abs": ("Abs(x)",), "ra_pow_constant": ("x^(3/2)", "x^(7/3)"),
+    "ra_least": ("x^22", "x^40"), "ra_power": ("x^5", "x^6", "x^7", "x^8"), "ra_recip": ("1/x",), "ra_abs": ("Abs(x)",), "ra_pow_constant": ("x^(3/2)", "x^(7/3)"),
     "ra_smooth": SMOOTH, "ra_wave": ("sin(x)", "cos(x)"), "ra_atan2": ("atan2(x, y)",),
 }  # fmt: skip
-KINDS = {"RA_MOST": ("many",), "TURNS_ERROR": ("turns",), "ra_range": ("bare",)}
+KINDS = {"RA_MOST": ("many",), "ra_least": ("plain", "sums"), "TURNS_ERROR": ("turns",), "ra_range": ("bare",)}
 
 
 def looks_at(pad: Pad) -> list[Look]:
