@@ -10,6 +10,7 @@
 
 #ifdef __linux__
 #include <sched.h>
+#include <unistd.h>
 #endif
 
 namespace irt::numerics {
@@ -60,7 +61,8 @@ class Crew {
 #ifdef __linux__
     const int here = sched_getcpu();
     cpu_set_t others;
-    if (here < 0 || here == kept_off_ || sched_getaffinity(0, sizeof others, &others) != 0) return;
+    // A forked child has none of the helpers.
+    if (here < 0 || here == kept_off_ || getpid() != process_ || sched_getaffinity(0, sizeof others, &others) != 0) return;
     CPU_CLR(here, &others);
     if (CPU_COUNT(&others) == 0) return;
     for (const pthread_t helper : helpers_) pthread_setaffinity_np(helper, sizeof others, &others);
@@ -92,6 +94,7 @@ class Crew {
 #ifdef __linux__
   std::vector<pthread_t> helpers_;
   int kept_off_ = -1;
+  const pid_t process_ = getpid();
 #endif
 };
 

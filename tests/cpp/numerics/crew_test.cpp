@@ -10,6 +10,8 @@
 
 #ifdef __linux__
 #include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #endif
 
 namespace irt::numerics {
@@ -69,6 +71,32 @@ TEST(Crew, KeepsOffTheProcessorOfItsCaller) {
     EXPECT_FALSE(may_share);
   }
   EXPECT_TRUE(met);
+}
+
+TEST(Crew, LeavesForkedChildrenWhereTheyAre) {
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  if (CPU_COUNT(&allowed) < 2) GTEST_SKIP() << "there is one processor";
+  by_crew([](std::size_t) {});
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    bool same = true;
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      if (!CPU_ISSET(cpu, &allowed)) continue;
+      cpu_set_t one, after;
+      CPU_ZERO(&one);
+      CPU_SET(cpu, &one);
+      sched_setaffinity(0, sizeof one, &one);
+      sched_setaffinity(0, sizeof allowed, &allowed);
+      by_crew([](std::size_t) {});
+      same = same && sched_getaffinity(0, sizeof after, &after) == 0 && CPU_EQUAL(&allowed, &after);
+    }
+    _exit(same ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 #endif
 
