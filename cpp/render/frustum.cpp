@@ -49,7 +49,7 @@ struct Screen {
 // Pixels along the side of a tile: a multiple of the widest packet. Cells of large degrees are costly, small pictures have few pixels.
 int tile_of(const View& view, int degree) {
   const int size = std::max(view.columns, view.rows);
-  return size <= 256 ? 16 : degree > 10 && size > 512 ? 64 : 32;
+  return size <= 256 ? 16 : degree > 9 && size > 512 ? 64 : 32;
 }
 
 // A number at or above v with ten bits.
