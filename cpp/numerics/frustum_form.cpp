@@ -202,6 +202,7 @@ class Cutter {
   }
 
   Runs along_depth() const { return {n_, m_, m_, n_, n_ * m_}; }
+  Runs along_down() const { return {n_, n_ * m_, n_ * m_, 1, 0}; }
 
   // `form` over `block`; front to back within each tile. False where double leaves a cell less exact than it may be.
   bool cut(const Block& block, Form form, const Extent& extent, double error, int level) {
@@ -228,7 +229,7 @@ class Cutter {
     if (axis == Axis::none) return emit(block, form, known, largest);
     const Form buffer = at_level(level + 1), second{buffer.hi, form.lo ? buffer.lo : nullptr};
     Block a = block, b = block;
-    Runs runs{n_, n_ * m_, n_ * m_, 1, 0};
+    Runs runs = along_down();
     if (axis == Axis::depth) {
       a.last = b.first = (block.first + block.last) / 2;
       runs = along_depth();
@@ -404,13 +405,10 @@ class Cutter {
   double astray(const Block& b, double largest, double slope) const { return largest * slope * (frustum_.astray.x + frustum_.astray.y / (b.y1 - b.y0)); }
   // The same by the coefficients of a block; errors of these add a millionth of a millionth of themselves, for which bounds have room.
   double astray(const Block& b, const double* form) const {
-    double across = 0, down = 0;
+    const double down = steps_of(form, along_down()).size();
+    double across = 0;
     for (std::size_t line = 0; line < n_ * n_; ++line)
-      for (std::size_t i = 0; i < n_; ++i) {
-        const double* const c = form + line * m_ + i;
-        if (i + 1 < n_) across = std::max(across, std::fabs(c[1] - c[0]));
-        if (line < (n_ - 1) * n_) down = std::max(down, std::fabs(c[n_ * m_] - c[0]));
-      }
+      for (std::size_t i = 0; i + 1 < n_; ++i) across = std::max(across, std::fabs(form[line * m_ + i + 1] - form[line * m_ + i]));
     return 1.01 * static_cast<double>(n_ - 1) * (across * frustum_.astray.x + down * frustum_.astray.y / (b.y1 - b.y0));
   }
   double along_coefficients() const { return 2 * static_cast<double>(n_ - 1); }

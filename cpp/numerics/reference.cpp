@@ -296,7 +296,7 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
       };
       for (std::size_t first; !stopped && (first = next.fetch_add(chunk)) < rays.size();) {
         const std::size_t last = std::min(first + chunk, rays.size());
-        for (std::size_t i = first; i < last && !stopped; ++i) {
+        for (std::size_t i = first; i < last; ++i) {
           const auto clip = clip_of(rays[i], tmin[i], tmax[i], query);
           if (!clip) {
             roots[i] = {Kind::miss, 0, 0, Arithmetic::dbl};
@@ -306,12 +306,12 @@ std::vector<Root> reference(const Expr& f, std::span<const Ray> rays, const doub
             roots[i] = region ? region->first_root(rays[i], *clip, search) : search(*clip);
           }
           ++done;
-          if (worker == 0) ask();
+          stop();
         }
       }
       // Who asks stays until the others are done.
-      for (int k = 0; worker == 0 && !stopped && done < rays.size(); ++k) {
-        ask();
+      for (int k = 0; worker == 0 && done < rays.size(); ++k) {
+        stop();
         k < 1000 ? std::this_thread::yield() : std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     } catch (const Stopped&) {  // what it was at stays open

@@ -12,6 +12,9 @@
 
 namespace irt::render {
 
+// By what part of what they are made of Camera.rays and the basis of a view may be off: about a double's precision.
+constexpr long double kRounding = 4e-16L;
+
 // Rays of `view` relative to the plane through the middle of the bounds.
 class CameraTerms {
   using vec = glm::vec<3, long double>;
@@ -113,8 +116,7 @@ class CameraTerms {
       steps[6 + k] = static_cast<double>(spread * down * up[k]);
       steps[9 + k] = view.perspective ? static_cast<double>(down * up[k]) : 0;
     }
-    // The basis itself is known to about a double's precision.
-    pad = static_cast<double>(4e-16L * (glm::length(origin) + std::fabs(distance) * (1 + 2 * widest) + 2 * widest));
+    pad = static_cast<double>(kRounding * (glm::length(origin) + std::fabs(distance) * (1 + 2 * widest) + 2 * widest));
   }
 
  public:

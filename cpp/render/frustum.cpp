@@ -36,7 +36,6 @@ constexpr int kLeastReduced = 7;
 constexpr std::size_t kRefinedPixels = 1 << 14;
 // By how many times the bracket that is wanted cells may blur a root before it is refined: few roots lie where cells blur most.
 constexpr double kFineBlur = 10;
-constexpr double kRounding = 4e-16;  // of what a ray is made of, as in camera_terms.h
 constexpr std::size_t kShape = 6;  // integers of a cell
 constexpr std::size_t kView = 16;  // reals before the basis (kernels/frustum_cells.cl)
 
@@ -106,7 +105,7 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
   f.down = -2 * half * screen.tile / view.rows;
   // As Camera.rays rounds them: where orthographic views begin, and directions in perspective.
   const double widest = static_cast<double>(half * std::max(1.0L, aspect)), steepest = 1 + 2 * widest;
-  const double off = kRounding * (view.perspective ? steepest * steepest : glm::length(view.origin) + widest);
+  const double off = static_cast<double>(kRounding) * (view.perspective ? steepest * steepest : glm::length(view.origin) + widest);
   f.astray = glm::abs(off / glm::dvec2(static_cast<double>(f.across), static_cast<double>(f.down)));
   // Depth of the bounds, and the tiles that they may touch.
   double near = HUGE_VAL, far = -HUGE_VAL;
