@@ -11,14 +11,18 @@
 // Where all roundings of f together have a bound (IRT_SLACK), forms have that in z instead of a pad for each operation, unless it is too coarse.
 #define UNITS ((F)PATH_END_REAL)
 #define FIRST_STEP (IRT_SHARPENS ? UNITS : (F)(PATH_END_REAL / 8))
-#define SLACK R(0.5)   // units: how far the rounding of a contracted end to units is off
+// Units: how far the rounding of a contracted end to units is off. What rounds nothing outward takes more, which covers most of what else is off.
+#if IRT_OUTWARD
+#define SLACK R(0.5)
+#else
+#define SLACK R(8.0)
+#endif
 #define FLOOR ((F)4)   // units: no contracted piece is much shorter, because its ends are rounded outward
 #define BLUNT ((F)64)  // units: below, what contraction cannot shorten only rounding keeps it from shortening
 
 // Beams halt at pieces no longer than their width along each axis together, or when they have looked at so many (the gain is flat from
-// here on); their rays begin with a piece that is longer by LEAD, because surfaces seldom cross a beam at a right angle.
+// here on); their rays begin with a piece that is longer by IRT_LEAD (cpp/kernel/assemble.cpp).
 #define BEAM_PIECES 32
-#define LEAD R(4.0)
 
 // Whether a beam errs by no more than a fifth of how far the box reaches. Wider ones tell nothing, and f would be asked where it may overflow, which kernels are made for
 // within twice the bounds only: coordinates that no plane cuts (clip.cl) reach beyond the box by five times what they err by.
@@ -96,7 +100,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
     active &= LT(begin, UNITS);
     position = SELECT(known, min(begin, UNITS), (F)0);
     sign = SELECT(known & GE(begin, path.in0), head->sign, (F)0);
-    step = clamp(WHOLE(LEAD * head->span * inverse), (F)8, max(UNITS - position, (F)8));
+    step = clamp(WHOLE(IRT_LEAD * head->span * inverse), (F)8, max(UNITS - position, (F)8));
   }
 #endif
   F from = position, to = position + step;  // the piece to look at

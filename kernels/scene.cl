@@ -1,4 +1,4 @@
-// The settings of a call, one array of reals; cpp/render/settings.h writes it in this order.
+// The settings of a call, one array of reals, in the order in which cpp/render/launch.cpp writes it (scene_settings).
 #define BOX_LO(axis) q[axis]
 #define BOX_HI(axis) q[3 + (axis)]
 #define RADIUS q[6]        // |s| stays below it inside the bounds

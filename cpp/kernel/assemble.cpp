@@ -193,12 +193,26 @@ const Reader& reader_of(const Spec& spec) {
 
 }  // namespace
 
+namespace {
+
+// How much longer than the last piece of a beam the first one of its rays is: longer, because surfaces seldom cross a beam at a right angle; less so
+// where f has high powers, which bend so much over such pieces that affine forms tell nothing.
+double lead(const program::Program& program) {
+  double highest = 1;
+  for (const program::Instruction& in : program.code)
+    if (in.code == program::Code::Power) highest = std::max(highest, static_cast<double>(in.index));
+  return std::clamp(16 / highest, 0.5, 4.0);
+}
+
+}  // namespace
+
 const char* entry_name(Entry entry) {
   return entry == Entry::Enclose ? "enclose_pieces" : entry == Entry::Neighbours ? "shade_neighbours" : "trace";
 }
 
 std::string assemble(const program::Program& program, const Spec& spec) {
   std::string text = prelude(spec) + parameters_of(program, spec);
+  if (spec.beams) text += fmt::format("#define IRT_LEAD R({:.3f})\n", lead(program));
   const auto include = [&](const std::string& name) { text += included(name); };
   const auto gradient = [&](bool wanted) {
     if (wanted) text += "\n" + program::emit_gradient(program, spec.precision).source;

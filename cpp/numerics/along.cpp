@@ -32,13 +32,11 @@ Interval outward(const MpfrInterval& v) {
 
 class DoubleAlong final : public Along {
  public:
-  DoubleAlong(const Formula& formula, const Ray& ray) : formula_(formula), ray_(ray), values_(formula.steps().size()) {
-    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = formula.steps()[i].value;
-  }
+  DoubleAlong(const Formula& formula, const Ray& ray) : formula_(formula), ray_(ray), values_(formula) {}
 
   Look look(double a, double b) override {
-    run(Interval(a, b), values_.size());
-    Interval f = values_[formula_.f()];
+    run(Interval(a, b), formula_.steps().size());
+    const Interval f = values_.f();
     Look look{.sign = f.sign(), .empty = f.empty, .doubtful = f.doubtful, .nonpositive = !f.empty && f.hi <= 0, .slope = 0};
     if (look.sign || look.empty || look.doubtful) return look;
     const Interval slope = derivative();
@@ -47,7 +45,7 @@ class DoubleAlong final : public Along {
     // f(m) + f'([a, b]) ([a, b] - m)
     const double m = 0.5 * (a + b);
     run(Interval(m), formula_.f() + 1);
-    const Interval& middle = values_[formula_.f()];
+    const Interval& middle = values_.f();
     if (!middle.empty && !middle.doubtful) look.sign = (middle + slope * (Interval(a, b) - Interval(m))).sign();
     return look;
   }
@@ -59,22 +57,12 @@ class DoubleAlong final : public Along {
 
   const Interval& value(double t) {
     run(Interval(t), formula_.f() + 1);
-    return values_[formula_.f()];
+    return values_.f();
   }
 
  private:
   void run(const Interval& t, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Formula::Step& step = formula_.steps()[i];
-      if (step.constant) continue;
-      if (step.axis >= 0) {
-        values_[i] = Interval(ray_.origin[step.axis]) + Interval(ray_.direction[step.axis]) * t;
-        continue;
-      }
-      args_.clear();
-      for (const std::uint32_t k : step.args) args_.push_back(&values_[k]);
-      values_[i] = apply(step.e.op(), step.exponent, args_);
-    }
+    values_.run(count, [&](int axis) { return Interval(ray_.origin[axis]) + Interval(ray_.direction[axis]) * t; });
   }
 
   Interval derivative() const {
@@ -90,8 +78,7 @@ class DoubleAlong final : public Along {
 
   const Formula& formula_;
   const Ray& ray_;
-  std::vector<Interval> values_;
-  std::vector<const Interval*> args_;
+  Enclosures values_;
 };
 
 class MpfrAlong final : public Along {
@@ -241,8 +228,12 @@ MpfrInterval Formula::constant(const Step& step, std::span<const MpfrInterval* c
   return MpfrInterval::of(v, v, precision);
 }
 
+Enclosures::Enclosures(const Formula& formula) : formula_(formula) {
+  for (const Formula::Step& step : formula.steps()) values_.push_back(step.value);
+}
+
 double single_blur(const Expr& f, const glm::dvec3& lower, const glm::dvec3& upper, const std::map<std::string, double>& parameters) {
-  constexpr int kLines = 12, kSteps = 32, kHalvings = 8;
+  constexpr int kLines = 12, kSteps = 32, kHalvings = 5;
   constexpr std::size_t kEnough = 7;
   const Formula formula(f, parameters, false);
   Ray ray{};

@@ -43,6 +43,36 @@ class Formula {
   std::map<std::string, double> parameters_;
 };
 
+// The steps of a formula over intervals of the coordinates.
+class Enclosures {
+ public:
+  explicit Enclosures(const Formula& formula);
+
+  // The first `count` steps; at(axis): an interval of the coordinate.
+  template <class At>
+  void run(std::size_t count, const At& at) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Formula::Step& step = formula_.steps()[i];
+      if (step.constant) continue;
+      if (step.axis >= 0) {
+        values_[i] = at(step.axis);
+        continue;
+      }
+      args_.clear();
+      for (const std::uint32_t k : step.args) args_.push_back(&values_[k]);
+      values_[i] = apply(step.e.op(), step.exponent, args_);
+    }
+  }
+
+  const Interval& operator[](std::size_t step) const { return values_[step]; }
+  const Interval& f() const { return values_[formula_.f()]; }
+
+ private:
+  const Formula& formula_;
+  std::vector<Interval> values_;
+  std::vector<const Interval*> args_;
+};
+
 struct Ray {
   glm::dvec3 origin, direction;
 };

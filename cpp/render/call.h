@@ -34,6 +34,7 @@ struct Bounds {
   glm::dvec3 lower, upper;
   std::vector<Ball> balls;
   std::vector<HalfSpace> half_spaces;
+  glm::dvec3 farthest{0};  // what coordinates kernels are made for, where these bounds are a part of others
 
   glm::dvec3 center() const { return 0.5 * (lower + upper); }
 };
@@ -115,6 +116,8 @@ struct Options {
   bool or_march = false;  // of `auto`: where the frustum form is refused, or leaves many pixels open, contraction goes on, and narrows brackets down
   // Root finders of the frustum form take coefficients instead of a program.
   bool by_frustum() const { return finder.starts_with("frustum_"); }
+  // Those that march by enclosures of f skip what these prove free of zeros.
+  bool by_enclosures() const { return reads == "enclosures" && !by_frustum(); }
 };
 
 struct Tally {

@@ -124,8 +124,9 @@ void shade_by_neighbours(Answer& answer, const program::Program& program, const 
 
 }  // namespace
 
-Answer camera_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds,
+Answer camera_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& given,
                      const Options& options, device::Device& device, const std::vector<std::size_t>* pixels, std::size_t pitch) {
+  const Bounds bounds = narrowed(given, formulas, options);
   // Lists begin in double where frames begin with brackets.
   const bool sharpens = options.first_eps > 0 && !pixels;
   const Precision first = options.precision == PrecisionMode::Double || options.first_eps > 0 ? Precision::Double : Precision::Single;

@@ -14,9 +14,12 @@
 #include <limits>
 #include <mutex>
 #include <new>
+#include <tuple>
 
 #include "caps.h"
 #include "error.h"
+#include "numerics/around_zeros.h"
+#include "numerics/recent.h"
 #include "numerics/widest.h"
 #include "program/text.h"
 
@@ -134,7 +137,27 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
   return !(program::magnitude(program, at, parameters) < (precision == program::Precision::Double ? 1e300 : 1e36));
 }
 
-glm::dvec3 brackets_reach(const Bounds& bounds) { return 2.0 * glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)); }
+namespace {
+
+glm::dvec3 farthest_of(const Bounds& bounds) { return glm::max(bounds.farthest, glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper))); }
+
+}  // namespace
+
+Bounds narrowed(const Bounds& bounds, const Formulas& formulas, const Options& options) {
+  if (!options.by_enclosures()) return bounds;
+  using Key = std::tuple<Expr, std::map<std::string, double>, glm::dvec3, glm::dvec3>;
+  static auto* const recent = new numerics::Recent<Key, numerics::Box>;  // cameras move more often than formulas change
+  const auto box = recent->get({formulas.f, formulas.parameters, bounds.lower, bounds.upper}, [&] {
+    return std::make_shared<const numerics::Box>(numerics::around_zeros(formulas.f, formulas.parameters, {bounds.lower, bounds.upper}));
+  });
+  Bounds part = bounds;
+  part.farthest = farthest_of(bounds);
+  part.lower = box->lower;
+  part.upper = box->upper;
+  return part;
+}
+
+glm::dvec3 brackets_reach(const Bounds& bounds) { return 2.0 * farthest_of(bounds); }
 
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
   Reals ends(precision, 2 * program.inputs());

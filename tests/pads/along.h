@@ -5,6 +5,7 @@
 #include "kernel_host.h"
 
 #define IRT_BEAMS IRT_AFFINE
+#define IRT_LEAD R(4.0)
 #define IRT_SLACK 1
 #define IRT_ALONG 1
 #define IRT_GRADIENT_FOUND 0
