@@ -116,8 +116,8 @@ struct Options {
   bool or_march = false;  // of `auto`: where the frustum form is refused, or leaves many pixels open, contraction goes on, and narrows brackets down
   // Root finders of the frustum form take coefficients instead of a program.
   bool by_frustum() const { return finder.starts_with("frustum_"); }
-  // Those that march by enclosures of f skip what these prove free of zeros.
-  bool by_enclosures() const { return reads == "enclosures" && !by_frustum(); }
+  // Those that march by enclosures of f, or by its Bernstein coefficients: they pass over what is proven free of zeros.
+  bool by_enclosures() const { return reads == "enclosures"; }
 };
 
 struct Tally {

@@ -379,9 +379,11 @@ void add_normals(const Formulas& formulas, const std::vector<numerics::Ray>& ray
   }
 }
 
-Answer frustum_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, Options options,
+Answer frustum_passes(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& given, Options options,
                       device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
+  const Bounds bounds = narrowed(given, formulas, options);
+  if (options.previous) options.previous->distance += glm::dot(bounds.center() - given.center(), view.forward);
   // Zeros that a clip formula passes over are judged later, by apply_clip.
   const Formulas unclipped{formulas.f, {}, formulas.parameters};
   std::optional<Screen> screen;
@@ -394,7 +396,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     columns.emplace(numerics::compose(planned->plan, screen->frustum), degree, screen->frustum);
   } catch (const MethodError&) {
     if (!options.or_march) throw;
-    Answer answer = camera_passes(program, unclipped, view, bounds, contracting(options), device);
+    Answer answer = camera_passes(program, unclipped, view, given, contracting(options), device);
     answer.marched = true;
     return answer;
   }
@@ -418,7 +420,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     const unsigned char* status = answer.status->as<unsigned char>();
     if (2 * std::count_if(open.begin(), open.end(), [&](std::size_t i) { return status[i] == 1; }) > static_cast<std::ptrdiff_t>(open.size()))
       march.precision = PrecisionMode::Double;
-    scatter(answer, camera_passes(program, unclipped, view, bounds, march, device, &open, answer.pitch), open, options);
+    scatter(answer, camera_passes(program, unclipped, view, given, march, device, &open, answer.pitch), open, options);
     return true;
   };
   if (marches(kDoubleShare, kDoubleLeast)) return answer;
@@ -459,8 +461,9 @@ Answer render_frustum(const program::Program& program, const Formulas& formulas,
   return picture(find, program, formulas, view, bounds, options, device);
 }
 
-Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options, device::Device& device) {
+Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& given, const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
+  const Bounds bounds = narrowed(given, formulas, options);
   const numerics::Formula formula(formulas.f, formulas.parameters);
   const numerics::PolynomialPlan plan = plan_of(formula);
   const std::size_t n = static_cast<std::size_t>(plan.degree()) + 1, count = rays.count;

@@ -152,8 +152,10 @@ Bounds narrowed(const Bounds& bounds, const Formulas& formulas, const Options& o
   });
   Bounds part = bounds;
   part.farthest = farthest_of(bounds);
-  part.lower = box->lower;
-  part.upper = box->upper;
+  // Brackets of the frustum form reach as far to both sides of their roots.
+  const double room = options.by_frustum() ? 2 * std::max(options.eps, options.first_eps) : 0;
+  part.lower = glm::max(bounds.lower, box->lower - room);
+  part.upper = glm::min(bounds.upper, box->upper + room);
   return part;
 }
 
