@@ -201,7 +201,7 @@ double lead(const program::Program& program) {
   double highest = 1;
   for (const program::Instruction& in : program.code)
     if (in.code == program::Code::Power) highest = std::max(highest, static_cast<double>(in.index));
-  return std::clamp(16 / highest, 0.5, 4.0);
+  return std::clamp(16 / highest, 1.0 / 3, 4.0);
 }
 
 }  // namespace

@@ -42,8 +42,8 @@ Box around_zeros(const Expr& f, const std::map<std::string, double>& parameters,
   // wide ranges as well.
   constexpr std::size_t kParts = 2000, kFewest = 8;
   // How thick a slab can be cut off is halved in on so many times, after a first try; thicker ones are looked at in smaller parts.
-  constexpr int kCuts = 10, kHalvings = 5;
-  constexpr double kFirst = 1.0 / 64, kLeft = 0.0625, kRoom = 0x1p-12;
+  constexpr int kCuts = 12, kHalvings = 5;
+  constexpr double kFirst = 1.0 / 64, kLeft = 0.0625, kRoom = 0x1p-13;
   const std::size_t allowed = kParts / postorder(f).size();
   if (allowed < kFewest) return box;
   const Formula formula(f, parameters, false);
