@@ -33,8 +33,8 @@ constexpr double kExactEnough = 1e-7, kExactToRefine = 1e-11, kExactInDoubles = 
 constexpr double kMostBlur = 0.25, kMostBlurOfNets = 0.0625, kLittleBlur = 0.05;
 // Cuts of a column of tiles after which double takes over at the latest.
 constexpr int kPreciseCuts = 6;
-// What reduction may lose in each direction: in halves of an ulp of the largest coefficient, and of cells in doubles in parts of it.
-constexpr double kLost = 4, kLostToRefine = 1e-11;
+// What reduction may lose in each direction: in halves of an ulp of the largest coefficient; of cells in doubles in parts of it, between these and by the eps they are for.
+constexpr double kLost = 4, kLeastLost = 1e-11, kMostLost = 1e-9, kLostToRefine = 0.002;
 // Least slope of a steady cell, in parts of its largest value.
 constexpr double kSteady = 0.1;
 // Halvings of the depth after which slabs are short enough, but for accuracy. For few pixels cells cost more than
@@ -466,7 +466,8 @@ class Cutter {
     Cells::Cell cell{at(b.first), at(b.last), bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, demand_.unit, scale * reduced_.weight), down, across, 0};
     reduction_->pack(reduced_, scale, coefficients<float>(found_.coefficients, reduced_.down * (static_cast<std::size_t>(demand_.depth) + 1) * reduced_.across, cell.begin));
     if (demand_.exact) {
-      exact_reduction_->run(pencil, kLostToRefine * largest, true, reduced_);
+      const double lost = std::clamp(kLostToRefine * demand_.exact_eps / (frustum_.far - frustum_.near), kLeastLost, kMostLost);
+      exact_reduction_->run(pencil, lost * largest, true, reduced_);
       cell.exact_error = bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, 0x1p-53, scale * reduced_.weight);
       cell.exact_down = static_cast<std::int32_t>(reduced_.down);
       cell.exact_across = static_cast<std::int32_t>(reduced_.across);
