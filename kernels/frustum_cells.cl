@@ -19,7 +19,7 @@ typedef struct {
   real planes[MOST_SHARED][N * IRT_MOST_TERMS + W];
 #if IRT_FINE
   int fine_known;
-  wide fine_planes[MOST_SHARED][FINE_TERMS * FINE_TERMS + W];
+  wide fine_planes[MOST_SHARED][FINE_TERMS * IRT_MOST_TERMS + W];
 #endif
 } SHARED;
 #define SHARED_BEGIN SHARED shared[1]; shared->tile = -1;
@@ -115,7 +115,7 @@ static inline ROOT find_root(const RAY* ray, const RANGE* range, __global const 
 #if IRT_FINE
     root.at = SELECT_WIDE(ended, fma(WIDEN(middle), (FW)length, (FW)near), root.at);
     if (ANY(found.hits)) {
-      wide fine_own[FINE_TERMS * FINE_TERMS + W], *fine_plane;
+      wide fine_own[FINE_TERMS * IRT_MOST_TERMS + W], *fine_plane;
       PLANE(fine_plane, fine_planes, fine_known, fine_own, FINE_CONTRACTED)
       refine(ray, &root, found.hits, q, near, length, slabs[4 * k + 3], column, fine_plane, shapes[6 * k + 4], fine_basis);
     }

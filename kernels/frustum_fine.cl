@@ -1,7 +1,7 @@
 // Roots to more digits than floats have: the search in single precision has proven that a bracket holds one root. That one is found and proven once more, by
 // one value of the polynomial in double, which costs a small part of a search in double.
 //
-// fine_form: for each cell (frustum_cells.cl) the polynomial in doubles, [down][depth][across], with all terms along the depth; fine_basis: as `basis`.
+// fine_form: for each cell (frustum_cells.cl) the polynomial in doubles, [down][depth][across], with FINE_TERMS along the depth; fine_basis: as `basis`.
 #define FINE_DEGREE (FINE_TERMS - 1)
 #define FINE_ACROSS (fine_basis + 16)
 #define FINE_VALUE_ERROR (FINE_TERMS * 3.0 * 0x1p-52)  // as VALUE_ERROR, of coefficients up to 2

@@ -54,7 +54,7 @@ struct Spec {
   bool slack = false;    // with arithmetic without pads and a bound of its rounding, where there is one (program::emit_slack)
   // Frustum forms (assemble_frustum): degree, and pixels along the side of a tile.
   int degree = 0, tile = 0;
-  int fine_terms = 0;     // where roots are refined in double: coefficients along each axis of the cells for that (kernels/frustum_fine.cl); needs split
+  int fine_terms = 0;     // where roots are refined in double: coefficients along the depth of the cells for that (kernels/frustum_fine.cl); needs split
   bool previous = false;  // with the depths of the frame before
 
   friend bool operator==(const Spec&, const Spec&) = default;

@@ -163,7 +163,7 @@ class Cutter {
         slack_(1e-12 * (glm::length(frustum.upper - frustum.lower) + glm::length(frustum.middle) + std::fabs(frustum.distance))) {
     if (!demand.reduced) return;
     reduction_ = reduction_of(degree, demand.depth);
-    exact_reduction_ = reduction_of(degree, degree);
+    if (demand.exact) exact_reduction_ = reduction_of(degree, demand.exact_depth);
   }
 
   // hi + lo is the form over column x: [across][down][depth].
@@ -471,7 +471,7 @@ class Cutter {
       cell.exact_error = bound(kept + scale * reduced_.error, reduced_.down + reduced_.across, 0x1p-53, scale * reduced_.weight);
       cell.exact_down = static_cast<std::int32_t>(reduced_.down);
       cell.exact_across = static_cast<std::int32_t>(reduced_.across);
-      exact_reduction_->pack(reduced_, scale, coefficients<double>(found_.exact, reduced_.down * n_ * reduced_.across, cell.exact_begin));
+      exact_reduction_->pack(reduced_, scale, coefficients<double>(found_.exact, reduced_.down * (static_cast<std::size_t>(demand_.exact_depth) + 1) * reduced_.across, cell.exact_begin));
     }
     found_.leaves.push_back({x_, b.y0, cell});
     return true;

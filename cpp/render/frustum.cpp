@@ -158,6 +158,11 @@ int depth_degree(int degree, const Options& options, Precision precision) {
   return precision == Precision::Single && options.finder == "frustum_newton" && degree >= kLeastShortened ? kShortenedDegree : degree;
 }
 
+// The same of cells in doubles, where those of floats are shortened: down to the eps that they are used for no root is left open by it.
+int fine_degree(int degree, const Options& options, Precision precision) {
+  return depth_degree(degree, options, precision) < degree ? degree - std::min((degree - 8) / 2, 2) : degree;
+}
+
 // Cells as buffers: slabs, shapes and forms.
 struct Forms {
   Memory tiles, shapes;
@@ -268,7 +273,7 @@ kernel::Spec cells_spec(const Options& options, const device::Device& device, Pr
   spec.entry = entry;
   spec.previous = options.previous.has_value();
   if (options.first_eps > 0 && spec.split && entry == kernel::Entry::Camera) {
-    spec.fine_terms = degree + 1;
+    spec.fine_terms = fine_degree(degree, options, precision) + 1;
     spec.wide_results = true;
   }
   spec.spheres = static_cast<int>(bounds.balls.size());
@@ -292,6 +297,7 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
   demand.few = packets && options.first_eps == 0;  // long slabs leave open what is to be narrowed further
   demand.exact = fine;
   demand.exact_eps = options.eps;
+  demand.exact_depth = spec.fine_terms - 1;
   const Forms forms = forms_of(columns_of_tiles, screen, demand);
   const Reals basis = basis_of(screen, degree, options, precision, demand.reduced);
   std::optional<Reals> exact_basis;  // to refine roots by
