@@ -30,8 +30,8 @@ constexpr std::size_t kFewPixels = 64, kVeryFewPixels = 8;
 constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 256, kReferenceLeast = 256;
 // From the one degree on cells of floats have the other along their depth.
 constexpr int kLeastShortened = 9, kShortenedDegree = 7;
-// Polynomials of this degree have cells of fewer coefficients.
-constexpr int kLeastReduced = 7;
+// Polynomials of this degree have cells of fewer coefficients; in pictures so large, where kernels are most of a frame, from the other on.
+constexpr int kLeastReduced = 7, kLeastReducedInLarge = 6, kLarge = 512;
 // Roots are refined in pictures of so many pixels: smaller ones spend more on cells for that than on a search in double.
 constexpr std::size_t kRefinedPixels = 1 << 14;
 // By how many times the bracket that is wanted cells may blur a root before it is refined: few roots lie where cells blur most.
@@ -48,7 +48,7 @@ struct Screen {
 // Pixels along the side of a tile: a multiple of the widest packet. Cells of large degrees are costly, small pictures have few pixels.
 int tile_of(const View& view, int degree) {
   const int size = std::max(view.columns, view.rows);
-  return size <= 256 ? 16 : degree > 9 && size > 512 ? 64 : 32;
+  return size <= 256 ? 16 : degree > 9 && size > kLarge ? 64 : 32;
 }
 
 // A number at or above v with ten bits.
@@ -151,7 +151,9 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
 }
 
 // Whether cells are reduced: of a small degree they have few coefficients to lose, and double precision has few pixels.
-bool reduces(int degree, Precision precision) { return precision == Precision::Single && degree >= kLeastReduced; }
+bool reduces(int degree, const View& view, Precision precision) {
+  return precision == Precision::Single && degree >= (std::max(view.columns, view.rows) > kLarge ? kLeastReducedInLarge : kLeastReduced);
+}
 
 // Degree along a cell's depth. S2's root finders, whose insertions are compared with S2's, and double precision keep the polynomial's.
 int depth_degree(int degree, const Options& options, Precision precision) {
@@ -171,8 +173,8 @@ struct Forms {
   std::optional<Memory> exact_form;
 };
 
-numerics::Demand demand_of(const numerics::Columns& columns, Precision precision, double eps, int depth) {
-  return {precision == Precision::Single ? 0x1p-24 : 0x1p-53, eps, depth, reduces(columns.degree(), precision)};
+numerics::Demand demand_of(const numerics::Columns& columns, const View& view, Precision precision, double eps, int depth) {
+  return {precision == Precision::Single ? 0x1p-24 : 0x1p-53, eps, depth, reduces(columns.degree(), view, precision)};
 }
 
 Forms forms_of(const numerics::Columns& columns, const Screen& screen, const numerics::Demand& demand) {
@@ -292,7 +294,7 @@ Answer pass(const numerics::Columns& columns_of_tiles, const Screen& screen, con
   const bool fine = spec.fine_terms > 0;
   Answer answer = packets ? make_answer(packets->size(), 1, spec.width, precision, options)
                           : make_answer(view.columns, view.rows, spec.width, fine ? Precision::Double : precision, options);
-  numerics::Demand demand = demand_of(columns_of_tiles, precision, fine ? kFineBlur * options.first_eps : options.eps, spec.degree);
+  numerics::Demand demand = demand_of(columns_of_tiles, view, precision, fine ? kFineBlur * options.first_eps : options.eps, spec.degree);
   demand.tiles = wanted;
   demand.few = packets && options.first_eps == 0;  // long slabs leave open what is to be narrowed further
   demand.exact = fine;
