@@ -100,7 +100,7 @@ struct Demand {
   bool reduced;
   bool exact = false;
   double exact_eps = 0;
-  int exact_depth = 0;  // degree along the depth of cells in doubles
+  int exact_depth = 0;  // degree along the depth of cells in doubles; that of the polynomial where they are not reduced
   const std::vector<bool>* tiles = nullptr;
   bool few = false;  // whether few pixels are: then cells are longer
 

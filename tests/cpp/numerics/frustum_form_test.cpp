@@ -62,16 +62,16 @@ TEST_P(CellsOf, HaveTheSignsOfTheFormulaAndItsFirstZeros) {
   const auto plan = PolynomialPlan::of(formula);
   ASSERT_TRUE(plan);
   const Frustum frustum = frustum_of(c.perspective);
-  const std::size_t n = static_cast<std::size_t>(plan->degree()) + 1;
   const Columns columns(compose(*plan, frustum), plan->degree(), frustum);
   Demand demand{c.unit, 1e-3, c.depth ? c.depth : plan->degree(), c.reduced};
   demand.exact = c.exact;
   demand.exact_eps = 1e-9;
+  demand.exact_depth = plan->degree() - (c.depth ? 1 : 0);
   // Each block as large as was asked for, so that what is written or read beyond is noticed.
   std::vector<std::vector<std::byte>> form, exact;
   const auto room = [](std::vector<std::vector<std::byte>>& blocks) { return [&blocks](std::size_t bytes) { return static_cast<void*>(blocks.emplace_back(bytes).data()); }; };
   const Cells cells = cells_of(columns, frustum, demand, room(form), room(exact));
-  const std::size_t depth = static_cast<std::size_t>(demand.depth) + 1;
+  const std::size_t depth = static_cast<std::size_t>(demand.depth) + 1, exact_depth = static_cast<std::size_t>(demand.exact_depth) + 1;
   const Basis basis = c.reduced ? chebyshev_at : bernstein_at;
   const Tape tape(e);
   std::mt19937 random(3);
@@ -105,7 +105,7 @@ TEST_P(CellsOf, HaveTheSignsOfTheFormulaAndItsFirstZeros) {
         const bool known = std::fabs(truth) > 1e-10;  // beyond the rounding of the tape
         EXPECT_TRUE(!known || std::fabs(told) <= cell.error || (told > 0) == (truth > 0)) << c.formula << " " << s;
         if (!c.exact) continue;
-        const double more = value(reinterpret_cast<const double*>(exact.back().data()) + cell.exact_begin * step, cell.exact_down, n, cell.exact_across, cell.exact_across, basis, at);
+        const double more = value(reinterpret_cast<const double*>(exact.back().data()) + cell.exact_begin * step, cell.exact_down, exact_depth, cell.exact_across, cell.exact_across, basis, at);
         EXPECT_LE(std::fabs(told - more), cell.error + cell.exact_error);
         EXPECT_TRUE(!known || std::fabs(more) <= cell.exact_error || (more > 0) == (truth > 0)) << c.formula << " " << s;
       }
