@@ -191,10 +191,6 @@ const Reader& reader_of(const Spec& spec) {
   throw Error(fmt::format("{}.cl reads '{}', which kernels do not know", spec.finder, spec.reads));
 }
 
-}  // namespace
-
-namespace {
-
 // How much longer than the last piece of a beam the first one of its rays is: longer, because surfaces seldom cross a beam at a right angle; less so
 // where f has high powers, which bend so much over such pieces that affine forms tell nothing.
 double lead(const program::Program& program) {

@@ -233,7 +233,7 @@ Enclosures::Enclosures(const Formula& formula) : formula_(formula) {
 }
 
 double single_blur(const Expr& f, const glm::dvec3& lower, const glm::dvec3& upper, const std::map<std::string, double>& parameters) {
-  constexpr int kLines = 12, kSteps = 32, kHalvings = 5;
+  constexpr int kLines = 12, kSteps = 32, kHalvings = 8;
   constexpr std::size_t kEnough = 7;
   const Formula formula(f, parameters, false);
   Ray ray{};

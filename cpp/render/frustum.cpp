@@ -45,9 +45,11 @@ struct Screen {
   bool boxed;  // whether the box may cut it
 };
 
+int longer_side(const View& view) { return std::max(view.columns, view.rows); }
+
 // Pixels along the side of a tile: a multiple of the widest packet. Cells of large degrees are costly, small pictures have few pixels.
 int tile_of(const View& view, int degree) {
-  const int size = std::max(view.columns, view.rows);
+  const int size = longer_side(view);
   return size <= 256 ? 16 : degree > 9 && size > kLarge ? 64 : 32;
 }
 
@@ -152,7 +154,7 @@ Screen screen_of(const View& view, const Bounds& bounds, int degree) {
 
 // Whether cells are reduced: of a small degree they have few coefficients to lose, and double precision has few pixels.
 bool reduces(int degree, const View& view, Precision precision) {
-  return precision == Precision::Single && degree >= (std::max(view.columns, view.rows) > kLarge ? kLeastReducedInLarge : kLeastReduced);
+  return precision == Precision::Single && degree >= (longer_side(view) > kLarge ? kLeastReducedInLarge : kLeastReduced);
 }
 
 // Degree along a cell's depth. S2's root finders, whose insertions are compared with S2's, and double precision keep the polynomial's.

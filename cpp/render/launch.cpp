@@ -137,12 +137,6 @@ bool needs_infinities(const program::Program& program, const glm::dvec3& coordin
   return !(program::magnitude(program, at, parameters) < (precision == program::Precision::Double ? 1e300 : 1e36));
 }
 
-namespace {
-
-glm::dvec3 farthest_of(const Bounds& bounds) { return glm::max(bounds.farthest, glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper))); }
-
-}  // namespace
-
 Bounds narrowed(const Bounds& bounds, const Formulas& formulas, const Options& options) {
   if (!options.by_enclosures()) return bounds;
   using Key = std::tuple<Expr, std::map<std::string, double>, glm::dvec3, glm::dvec3>;
@@ -151,7 +145,7 @@ Bounds narrowed(const Bounds& bounds, const Formulas& formulas, const Options& o
     return std::make_shared<const numerics::Box>(numerics::around_zeros(formulas.f, formulas.parameters, {bounds.lower, bounds.upper}));
   });
   Bounds part = bounds;
-  part.farthest = farthest_of(bounds);
+  part.farthest = 0.5 * brackets_reach(bounds);
   // Brackets of the frustum form reach as far to both sides of their roots.
   const double room = options.by_frustum() ? 2 * std::max(options.eps, options.first_eps) : 0;
   part.lower = glm::max(bounds.lower, box->lower - room);
@@ -159,7 +153,7 @@ Bounds narrowed(const Bounds& bounds, const Formulas& formulas, const Options& o
   return part;
 }
 
-glm::dvec3 brackets_reach(const Bounds& bounds) { return 2.0 * farthest_of(bounds); }
+glm::dvec3 brackets_reach(const Bounds& bounds) { return 2.0 * glm::max(bounds.farthest, glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper))); }
 
 Reals parameter_ends(const program::Program& program, const Options& options, program::Precision precision) {
   Reals ends(precision, 2 * program.inputs());

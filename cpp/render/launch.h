@@ -16,7 +16,7 @@ int packet_width(const device::Device& device, program::Precision precision);
 // Whether rays are set up in double for a kernel of single precision.
 bool splits(const device::Device& device, const Options& options, program::Precision precision);
 
-// The part of the bounds that may hold zeros of f, for methods that march by enclosures: what the host finds empty once, each ray would have to march through.
+// The part of the bounds that may hold zeros of f, for Options::by_enclosures(): what the host finds empty once, each ray would have to march through.
 Bounds narrowed(const Bounds& bounds, const Formulas& formulas, const Options& options);
 
 // How large coordinates of pieces get: brackets may reach a little out of the bounds.

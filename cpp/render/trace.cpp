@@ -23,9 +23,9 @@ Answer pass(const program::Program& program, const Rays& rays, const std::vector
 
 Answer trace_rays(const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& given, const Options& options,
                   device::Device& device) {
-  const Bounds bounds = narrowed(given, formulas, options);
   const Precision first = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   if (rays.count == 0) return make_answer(0, 1, packet_width(device, first), first, options);
+  const Bounds bounds = narrowed(given, formulas, options);
   const bool second = options.precision == PrecisionMode::Auto && device.info().fp64;
   Answer answer = pass(program, rays, nullptr, bounds, options, device, first);
   if (!second || answer.outcome != device::Outcome::done) return answer;
