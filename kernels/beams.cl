@@ -9,20 +9,6 @@
 
 #define SPREAD(k) (NARROW(COLUMN_TERM(k) + ROW_TERM(k)) * (R(1.0) + R(4.0) * ULP))
 
-// Where the lanes of a packet lie; lanes past the last row repeat it.
-static inline PLACE place_of(size_t column, size_t row, const int pitch, const int last_row) {
-#if W > BEAM
-  PLACE at;
-  for (int i = 0; i < PACKET_HEIGHT; ++i) at.row[i] = min(row + i, (size_t)last_row) * pitch + column;
-  return at;
-#else
-  return min(row, (size_t)last_row) * pitch + column;
-#endif
-}
-
-#define TRACE_DECL RAY_DECL, __global const real *q, const int pitch, const int max_pieces, RESULTS_DECL ARGUMENTS, const int last_row
-#define TRACE_PASS RAY_PASS, q, pitch, max_pieces, RESULTS_PASS ARGUMENTS_PASS, last_row
-
 // Not inlined, as in trace.cl.
 __attribute__((noinline)) void trace_tile(const size_t tile_column, const size_t tile_row, TRACE_DECL) {
   real from[W], span[W], sign[W];
@@ -31,7 +17,7 @@ __attribute__((noinline)) void trace_tile(const size_t tile_column, const size_t
     const int in = c * PACKET_WIDTH / BEAM + BEAMS_ACROSS * (r * PACKET_HEIGHT / BEAM);
     const size_t first = (tile_column * PACKET_COLUMNS + c) * PACKET_WIDTH;
     if (first >= pitch) continue;
-    const PLACE at = place_of(first, (tile_row * PACKET_ROWS + r) * PACKET_HEIGHT, pitch, last_row);
+    const PLACE at = packet_at(first, (tile_row * PACKET_ROWS + r) * PACKET_HEIGHT, pitch, last_row);
     if (!beam && span[in] < 0) {
       write_misses(at, RESULTS_PASS);
       continue;

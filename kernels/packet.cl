@@ -39,6 +39,19 @@ static inline int any_lane(I m) {
 #endif
 #endif
 
+// The rays of a packet lie in PACKET_HEIGHT rows of PACKET_WIDTH pixels of the picture, lanes row by row. Square packets lie across fewer silhouettes than long ones do, and
+// their lanes are done sooner after one another. What lanes share with their column, or with their row, from an array of one for each:
+#if PACKET_HEIGHT == 4
+#define OF_COLUMNS(from) (vload4(0, from).s0123012301230123)
+#define OF_ROWS(T, from) (vload4(0, from).s0000111122223333)
+#elif PACKET_HEIGHT == 2
+#define OF_COLUMNS(from) (vload4(0, from).s01230123)
+#define OF_ROWS(T, from) (vload2(0, from).s00001111)
+#else
+#define OF_COLUMNS(from) LOAD(from)
+#define OF_ROWS(T, from) ((T)(*(from)))
+#endif
+
 #define LT(a, b) MASK((a) < (b))
 #define LE(a, b) MASK((a) <= (b))
 #define GT(a, b) MASK((a) > (b))

@@ -21,11 +21,12 @@ static inline FW gather(__global const wide* from, __global const int* index) {
 #else
 #define RAY_DECL __global const wide *columns, __global const wide *rows, const int column_stride, const int row_stride
 #define RAY_PASS columns, rows, column_stride, row_stride
-#define COLUMN_TERM(k) LOAD_WIDE(columns + (k) * column_stride + W * column)
 #if IRT_BEAMS  // packets are in tiles (beams.cl)
+#define COLUMN_TERM(k) LOAD_WIDE(columns + (k) * column_stride + W * column)
 #define ROW_TERM(k) LOAD_WIDE(rows + (k) * row_stride + W * row)
 #else
-#define ROW_TERM(k) ((FW)rows[(k) * row_stride + row])
+#define COLUMN_TERM(k) OF_COLUMNS(columns + (k) * column_stride + PACKET_WIDTH * column)
+#define ROW_TERM(k) OF_ROWS(FW, rows + (k) * row_stride + PACKET_HEIGHT * row)
 #endif
 #endif
 

@@ -22,12 +22,16 @@ typedef F M;
 #define RESULTS_DECL NORMAL_DECL RGB_DECL PIECES_DECL __global measure *depth, __global measure *uncertainty, __global uchar *status
 #define RESULTS_PASS NORMAL_PASS RGB_PASS PIECES_PASS depth, uncertainty, status
 
-// Where the lanes of a packet lie: side by side, or in rows of four (beams.cl).
-#if IRT_BEAMS && W > 4
+// Where the rows of a packet lie in what is written; rows past the last repeat it.
 typedef struct {
   size_t row[PACKET_HEIGHT];
 } PLACE;
-#if W == 16
+static inline PLACE packet_at(size_t column, size_t row, const int pitch, const int last_row) {
+  PLACE at;
+  for (int i = 0; i < PACKET_HEIGHT; ++i) at.row[i] = min(row + i, (size_t)last_row) * pitch + column;
+  return at;
+}
+#if PACKET_HEIGHT == 4
 #define PUT(T, v, to) \
   do { \
     const T put = v; \
@@ -36,17 +40,15 @@ typedef struct {
     vstore4(put.hi.lo, 0, (to) + at.row[2]); \
     vstore4(put.hi.hi, 0, (to) + at.row[3]); \
   } while (0)
-#else
+#elif PACKET_HEIGHT == 2
 #define PUT(T, v, to) \
   do { \
     const T put = v; \
     vstore4(put.lo, 0, (to) + at.row[0]); \
     vstore4(put.hi, 0, (to) + at.row[1]); \
   } while (0)
-#endif
 #else
-typedef size_t PLACE;
-#define PUT(T, v, to) STORE(v, (to) + at)
+#define PUT(T, v, to) STORE(v, (to) + at.row[0])
 #endif
 
 // What is seen where rays miss.
@@ -117,11 +119,14 @@ static inline void write_results(const RAY* ray, const ROOT* root, const PLACE a
 #define SHARED_PASS
 #endif
 
+#define TRACE_DECL RAY_DECL, __global const real *q, const int pitch, const int max_pieces, RESULTS_DECL ARGUMENTS, const int last_row
+#define TRACE_PASS RAY_PASS, q, pitch, max_pieces, RESULTS_PASS ARGUMENTS_PASS, last_row
+
 // The kernel of a call, by what does one packet. A work-item has `packets` of a row: drivers for CPUs spend as much on a work-item as a packet
 // that misses takes. The hint tells them that packets are vectors already (Intel's would try to make wider ones, for seconds).
 #define TRACE_KERNEL(trace_one) \
   __kernel __attribute__((vec_type_hint(F))) void trace(TRACE_DECL, const int packets, const int first_column, const int first_row) { \
-    const size_t first = (first_column + get_global_id(0)) * packets, end = min(first + packets, (size_t)(pitch / W)); \
+    const size_t first = (first_column + get_global_id(0)) * packets, end = min(first + packets, (size_t)(pitch / PACKET_WIDTH)); \
     SHARED_BEGIN \
     for (size_t column = first; column < end; ++column) trace_one(column, first_row + get_global_id(1), TRACE_PASS SHARED_PASS); \
   }

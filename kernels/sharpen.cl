@@ -1,16 +1,15 @@
 // The kernel of a second pass over a frame, in double: a HIT of the first, in single precision, has proven that the first root of its ray lies in
 // its bracket. So the ray is that piece and no more, and any root finder narrows it down to eps. Everything else stays what it was: results are read
 // where they are written.
-#define TRACE_DECL RAY_DECL, __global const real *q, const int pitch, const int max_pieces, RESULTS_DECL ARGUMENTS
-#define TRACE_PASS RAY_PASS, q, pitch, max_pieces, RESULTS_PASS ARGUMENTS_PASS
 #define GROWN R(0x1p-20)  // of a bracket's width: more than rounding outward, in floats, has added since it was proven (path.cl, results.cl)
 
 // Not inlined, as in trace.cl.
 __attribute__((noinline)) void sharpen_packet(const size_t column, const size_t row, TRACE_DECL) {
-  const size_t here = row * pitch + column * W;
+  const PLACE place = packet_at(column * W, row, pitch, last_row);
+  const size_t here = place.row[0];
   const I known = TO_I(LOAD(status + here));
   if (!ANY(known)) {
-    write_background(here, RESULTS_PASS);
+    write_background(place, RESULTS_PASS);
     return;
   }
   const F t = LOAD(depth + here), error = LOAD(uncertainty + here);
@@ -32,7 +31,7 @@ __attribute__((noinline)) void sharpen_packet(const size_t column, const size_t 
 #if IRT_PIECES
   root.pieces += TO_I(LOAD(pieces + here));
 #endif
-  write_results(&ray, &root, here, q, RESULTS_PASS PARAMETERS_PASS);
+  write_results(&ray, &root, place, q, RESULTS_PASS PARAMETERS_PASS);
 }
 
 TRACE_KERNEL(sharpen_packet)

@@ -1,7 +1,4 @@
 // The kernel of a call: ray, clip, root, normal, colour, for one packet of rays.
-#define TRACE_DECL RAY_DECL, __global const real *q, const int pitch, const int max_pieces, RESULTS_DECL ARGUMENTS
-#define TRACE_PASS RAY_PASS, q, pitch, max_pieces, RESULTS_PASS ARGUMENTS_PASS
-
 // Not inlined: PoCL makes three functions of every kernel, and would compile all of this in each.
 __attribute__((noinline)) void trace_packet(const size_t column, const size_t row, TRACE_DECL SHARED_DECL) {
   const RAY ray = make_ray(RAY_PASS, q, column, row);
@@ -10,7 +7,7 @@ __attribute__((noinline)) void trace_packet(const size_t column, const size_t ro
 #if IRT_REFINES
   refine(&ray, &root, q);
 #endif
-  write_results(&ray, &root, row * pitch + column * W, q, RESULTS_PASS PARAMETERS_PASS);
+  write_results(&ray, &root, packet_at(column * PACKET_WIDTH, row * PACKET_HEIGHT, pitch, last_row), q, RESULTS_PASS PARAMETERS_PASS);
 }
 
 TRACE_KERNEL(trace_packet)

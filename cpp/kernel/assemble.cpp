@@ -42,10 +42,11 @@ std::string prelude(const Spec& spec) {
     define("IRT_REFINES", spec.refines);
     define("IRT_BEAMS", spec.beams);
     define("IRT_SHARPENS", spec.sharpens);
+    const Shape shape = shape_of(spec);
+    define("PACKET_WIDTH", shape.width);
+    define("PACKET_HEIGHT", shape.height);
     if (spec.beams) {
       const Tiling tiling(spec.width);
-      define("PACKET_WIDTH", tiling.packet_width);
-      define("PACKET_HEIGHT", tiling.packet_height);
       define("BEAM", kBeam);
       define("BEAMS_ACROSS", tiling.beams_across);
       define("BEAMS_DOWN", tiling.beams_down);
@@ -201,6 +202,12 @@ double lead(const program::Program& program) {
 }
 
 }  // namespace
+
+Shape shape_of(const Spec& spec) {
+  // Second passes read whole packets; cells of the frustum form are contracted with one row.
+  if (spec.entry != Entry::Camera || spec.sharpens || spec.degree > 0) return {spec.width, 1};
+  return {std::min(spec.width, kBeam), std::max(spec.width / kBeam, 1)};
+}
 
 const char* entry_name(Entry entry) {
   return entry == Entry::Enclose ? "enclose_pieces" : entry == Entry::Neighbours ? "shade_neighbours" : "trace";

@@ -17,16 +17,19 @@ inline constexpr int kJump = 4;
 // Beams (kernels/beams.cl): one bounds the rays of kBeam x kBeam pixels; a work-item has a packet of beams, a tile of the picture.
 inline constexpr int kBeam = 4;
 
-// How packets lie in the picture and in a tile.
-struct Tiling {
-  int packet_width, packet_height;  // pixels
-  int beams_across, beams_down;     // in a tile
+// How many pixels across and down a packet of rays has (kernels/packet.cl).
+struct Shape {
+  int width, height;
 
-  explicit constexpr Tiling(int width)
-      : packet_width(width < kBeam ? width : kBeam), packet_height(width / packet_width),
-        beams_across(width < kBeam ? 1 : width / kBeam), beams_down(width / beams_across) {}
-  constexpr int width() const { return packet_width * packet_height; }
-  constexpr int across() const { return beams_across * kBeam; }  // pixels of a tile
+  constexpr int lanes() const { return width * height; }
+};
+
+// How the beams of one packet, of `lanes`, lie in a tile.
+struct Tiling {
+  int beams_across, beams_down;
+
+  explicit constexpr Tiling(int lanes) : beams_across(lanes < kBeam ? 1 : lanes / kBeam), beams_down(lanes / beams_across) {}
+  constexpr int across() const { return beams_across * kBeam; }  // pixels
   constexpr int down() const { return beams_down * kBeam; }
 };
 
@@ -68,6 +71,8 @@ std::string assemble(const program::Program& program, const Spec& spec);
 
 // The same for polynomials by their frustum form: it depends on the degree, never on the polynomial.
 std::string assemble_frustum(const Spec& spec);
+
+Shape shape_of(const Spec& spec);
 
 // The name of the entry point in it.
 const char* entry_name(Entry entry);

@@ -23,27 +23,27 @@ class CameraTerms {
   // What a lane stands for: one line of pixels, or the lines between two of them.
   using Lanes = std::vector<std::pair<int, int>>;
 
-  // Lanes past the last column repeat it.
-  static Lanes side_by_side(int count, int width) {
+  // Lanes past the last line repeat it.
+  static Lanes side_by_side(int count, int whole) {
     Lanes lanes;
-    for (int i = 0; i < (count + width - 1) / width * width; ++i) lanes.emplace_back(std::min(i, count - 1), std::min(i, count - 1));
+    for (int i = 0; i < (count + whole - 1) / whole * whole; ++i) lanes.emplace_back(std::min(i, count - 1), std::min(i, count - 1));
     return lanes;
   }
 
   // Tiles of `beams` beams in this direction, and packets of `size` lines: for each tile the lanes of the packet of beams, then those of
   // its packets. `index` gives the line, in this direction, of a lane of a packet or of a packet of beams.
   template <class Index>
-  static Lanes tiled(int count, int width, int beams, int size, const Index& index) {
+  static Lanes tiled(int count, int lanes_of_packet, int beams, int size, const Index& index) {
     constexpr int kBeam = kernel::kBeam;
     const auto line = [&](int i) { return std::min(i, count - 1); };
     Lanes lanes;
     for (int first = 0; first < count; first += beams * kBeam) {
-      for (int lane = 0; lane < width; ++lane) {
+      for (int lane = 0; lane < lanes_of_packet; ++lane) {
         const int beam = first + kBeam * index(lane, true);
         lanes.emplace_back(line(beam), line(beam + kBeam - 1));
       }
       for (int packet = 0; packet < beams * kBeam; packet += size)
-        for (int lane = 0; lane < width; ++lane) {
+        for (int lane = 0; lane < lanes_of_packet; ++lane) {
           const int at = line(first + packet + index(lane, false));
           lanes.emplace_back(at, at);
         }
@@ -52,17 +52,17 @@ class CameraTerms {
   }
 
  public:
-  // Packets of `width` rays side by side.
-  CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, int width)
-      : CameraTerms(view, bounds, wide, side_by_side(view.columns, width), side_by_side(view.rows, 1), kTerms) {}
+  // Columns in whole `across`, rows in whole `down`.
+  CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, int across, int down = 1)
+      : CameraTerms(view, bounds, wide, side_by_side(view.columns, across), side_by_side(view.rows, down), kTerms) {}
 
   // Packets in tiles, with their beams.
-  CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, const kernel::Tiling& tiling)
+  CameraTerms(const View& view, const Bounds& bounds, program::Precision wide, const kernel::Shape& packet, const kernel::Tiling& tiling)
       : CameraTerms(view, bounds, wide,
-                    tiled(view.columns, tiling.width(), tiling.beams_across, tiling.packet_width,
-                          [&](int lane, bool beam) { return lane % (beam ? tiling.beams_across : tiling.packet_width); }),
-                    tiled(view.rows, tiling.width(), tiling.beams_down, tiling.packet_height,
-                          [&](int lane, bool beam) { return lane / (beam ? tiling.beams_across : tiling.packet_width); }),
+                    tiled(view.columns, packet.lanes(), tiling.beams_across, packet.width,
+                          [&](int lane, bool beam) { return beam ? lane % tiling.beams_across : lane % packet.width; }),
+                    tiled(view.rows, packet.lanes(), tiling.beams_down, packet.height,
+                          [&](int lane, bool beam) { return beam ? lane / tiling.beams_across : lane / packet.width; }),
                     kBeamTerms) {}
 
  private:

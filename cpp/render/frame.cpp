@@ -11,11 +11,11 @@ namespace {
 
 using program::Precision;
 
-// Kernels with beams take a quarter longer to compile (0.1 s) and half as long to run: frames of so many pixels have them.
-constexpr std::size_t kBeamPixels = 1 << 19;
+// Kernels with beams take a quarter longer to compile (0.1 s) and half as long to run: frames of more pixels have them.
+constexpr std::size_t kBeamPixels = 640 * 480;
 
 bool beams_in(const Options& options, std::size_t pixels) {
-  return options.finder == "contract" && options.affine && options.beams.value_or(pixels >= kBeamPixels);
+  return options.finder == "contract" && options.affine && options.beams.value_or(pixels > kBeamPixels);
 }
 
 Answer pass(const program::Program& program, const View& view, const Bounds& bounds, const Options& options, device::Device& device,
@@ -26,8 +26,10 @@ Answer pass(const program::Program& program, const View& view, const Bounds& bou
   spec.refines = spec.wide_results && options.eps < options.first_eps;  // not where brackets are all that is asked for
   spec.beams = !pixels && !before && beams_in(options, static_cast<std::size_t>(view.columns) * view.rows);
   const Precision wide = spec.split ? Precision::Double : precision;
+  const kernel::Shape packet = kernel::shape_of(spec);
   // Rows are as long as those of what is narrowed down, whose packets are wider.
-  const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, before ? static_cast<int>(before->pitch) : spec.width);
+  const int pitch_of_rows = before ? static_cast<int>(before->pitch) : spec.width;
+  const CameraTerms terms = spec.beams ? CameraTerms(view, bounds, wide, packet, kernel::Tiling(spec.width)) : CameraTerms(view, bounds, wide, pitch_of_rows, packet.height);
   const Reals settings = scene_settings(bounds, options, precision, terms.pad, -terms.tau);
   Answer answer = before   ? std::move(*before)
                   : pixels ? make_answer(pixels->size(), 1, spec.width, precision, options)
@@ -185,7 +187,7 @@ std::string frame_source(const program::Program& program, const Bounds& bounds, 
                          const device::Device& device) {
   const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::Camera);
-  spec.beams = beams_in(options, 640 * 480);
+  spec.beams = beams_in(options, kBeamPixels);
   spec.wide_results = spec.refines = options.first_eps > 0 && refinable(program, bounds, options, 0);
   return kernel::assemble(program, spec);
 }

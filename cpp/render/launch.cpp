@@ -342,10 +342,11 @@ void launch(const std::string& source, const kernel::Spec& spec, std::vector<dev
   if (finds)
     for (const auto* m : {&answer.depth, &answer.uncertainty, &answer.status}) args.emplace_back(output(**m));
   args.insert(args.end(), more.begin(), more.end());
-  std::size_t across = answer.pitch / spec.width, down = answer.rows;
+  const kernel::Shape packet = kernel::shape_of(spec);
+  std::size_t across = answer.pitch / packet.width, down = (answer.rows + packet.height - 1) / packet.height;
+  if (finds) args.emplace_back(static_cast<std::int32_t>(answer.rows - 1));
   if (spec.beams) {
     const kernel::Tiling tiling(spec.width);
-    args.emplace_back(static_cast<std::int32_t>(answer.rows - 1));
     across = (answer.pitch + tiling.across() - 1) / tiling.across();
     down = (answer.rows + tiling.down() - 1) / tiling.down();
   } else if (finds) {

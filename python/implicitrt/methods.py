@@ -60,8 +60,8 @@ class Bisection:
 class Contraction:
     """The forward march with affine contraction; "contract" is its shorthand.
 
-    beams: whether frames bound the rays of 4 x 4 pixels by one enclosure first. None: frames of half a million pixels
-        and more do, for which compiling them pays.
+    beams: whether frames bound the rays of 4 x 4 pixels by one enclosure first. None: frames of more than
+        640 x 480 pixels do, for which compiling them pays.
     """
 
     beams: bool | None = None

@@ -92,7 +92,7 @@ CONTRACT(sharpen) {
   real uncertainty = error;
   uchar status = 1;
   if (!at_most(least, error) || !at_most(error, most)) return true;
-  sharpen_packet(0, 0, told.tables[0], 1, told.q, 1, 1, &depth, &uncertainty, &status);
+  sharpen_packet(0, 0, told.tables[0], 1, told.q, 1, 1, &depth, &uncertainty, &status, 0);
   const exact low = s - half, high = s + half;
   return at_most(of(looked_at.out0), low) && at_most(high, of(looked_at.out1)) && at_most(low, of(looked_at.in0)) && at_most(of(looked_at.in1), high);
 }

@@ -184,6 +184,8 @@ inline I whole_of(F v) { return static_cast<I>(v.v); }
 #define TO_BYTES(v) ((uchar)(v))
 #define WIDEN(v) FW(v)
 #define NARROW(v) F(v)
+#define PACKET_WIDTH 1
+#define PACKET_HEIGHT 1
 #define LOAD_WIDE(p) (*(p))
 #define LOAD(p) (*(p))
 template <class V, class T>

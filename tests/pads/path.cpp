@@ -147,7 +147,7 @@ CONTRACT(wanted_units) {
   const ROOT found = report(&path, told.q, HIT, 0, wanted);
   real depth, uncertainty;
   uchar status;
-  write_results(&ray, &found, 0, told.q, &depth, &uncertainty, &status);
+  write_results(&ray, &found, packet_at(0, 0, 1, 0), told.q, &depth, &uncertainty, &status);
   return wanted > F(kEnd) || at_most(2 * exact(uncertainty), told.q[8]);
 }
 
@@ -170,7 +170,7 @@ CONTRACT(results) {
   const ROOT found = report(&path, told.q, HIT, a, b);
   real depth, uncertainty;
   uchar status;
-  write_results(&ray, &found, 0, told.q, &depth, &uncertainty, &status);
+  write_results(&ray, &found, packet_at(0, 0, 1, 0), told.q, &depth, &uncertainty, &status);
   for (const F c : {a, b}) {
     const exact t = (exact(told.terms[1][7]) + place(path, of(c))) * length + told.host;
     if (t >= 0 && !at_most(magnitude(t - depth), uncertainty)) return false;
@@ -199,7 +199,7 @@ CONTRACT(results_fine) {
   found.half_width = rounded(told.radius * rng.size(-60, 0));
   double depth, uncertainty;
   uchar status;
-  fine::write_results(&ray, &found, 0, told.q, &depth, &uncertainty, &status);
+  fine::write_results(&ray, &found, fine::packet_at(0, 0, 1, 0), told.q, &depth, &uncertainty, &status);
   const exact length = root_of(told.term(6)), half = of(found.half_width) / (1 + exact(0x1p-22));
   for (const exact c : {exact(s) - half, exact(s) + half}) {
     const exact t = (exact(told.terms[1][7]) + c) * length + told.host;
@@ -239,8 +239,6 @@ ROOT find_nothing(const RAY*, const RANGE*, const real*, const int FINDER) {
 #define make_ray given_ray
 #define clip_ray look_at
 #define find_root find_nothing
-#define PACKET_WIDTH 1
-#define PACKET_HEIGHT 1
 #define BEAM 1
 #define BEAMS_ACROSS 1
 #define BEAMS_DOWN 1
