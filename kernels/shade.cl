@@ -4,7 +4,7 @@
 static inline F encode(F linear) {
   const F c = clamp(linear, (F)0, (F)1), a = sqrt(c);
   const F curve = fma(fma(fma(fma((F)R(-0.30955966), a, (F)R(0.84274337)), a, (F)R(-0.94481101)), a, (F)R(1.44788189)), a, (F)R(-0.03700305));
-  return floor(fma(clamp(SELECT(LT(c, (F)R(0.0031308)), R(12.92) * c, curve), (F)0, (F)1), (F)255, (F)R(0.5)));
+  return floor(fma(SELECT(LT(c, (F)R(0.0031308)), R(12.92) * c, curve), (F)255, (F)R(0.5)));
 }
 
 // Blinn and Phong's cosine to the 32nd, where the surface faces the light.
@@ -35,6 +35,6 @@ static inline UINT shade(I status, I front, F nx, F ny, F nz, F vx, F vy, F vz, 
     const F linear = SELECT(open, (F)UNRESOLVED_COLOR(k), surface);
     pixel |= TO_UINT(encode(linear)) << (UINT)(8 * k);
   }
-  const UINT drawn = TO_UINT(SELECT(hit | open, (F)1, (F)0));  // 1 or 0
-  return drawn * (pixel | (UINT)0xff000000u) + ((UINT)1 - drawn) * (UINT)background;
+  const UINT drawn = TO_UINT(hit | open);
+  return (drawn & (pixel | (UINT)0xff000000u)) | (~drawn & (UINT)background);
 }

@@ -167,6 +167,12 @@ py::dict answer_dict(const render::Answer& a) {
   d["depth"] = a.wide ? plane<double>(a, *a.depth) : plane<float>(a, *a.depth);
   d["uncertainty"] = a.wide ? plane<double>(a, *a.uncertainty) : plane<float>(a, *a.uncertainty);
   d["status"] = plane<std::uint8_t>(a, *a.status);
+  if (a.finer) {  // pixels, counted row by row, and what doubles tell of them
+    py::array_t<std::int64_t> where(static_cast<py::ssize_t>(a.finer->where.size()));
+    std::transform(a.finer->where.begin(), a.finer->where.end(), where.mutable_data(), [&](std::size_t i) { return static_cast<std::int64_t>(i / a.pitch * a.columns + i % a.pitch); });
+    const auto some = [&](const render::Memory& m) { return view<double>(m, {where.shape(0)}, {sizeof(double)}); };
+    d["finer"] = py::make_tuple(where, some(a.finer->depth), some(a.finer->uncertainty));
+  }
   if (a.normal) d["normal"] = view<float>(*a.normal, {rows, columns, 3}, {4 * pitch, 4, 4 * pitch * rows});
   if (a.rgba) d["rgba"] = view<std::uint8_t>(*a.rgba, {rows, columns, 4}, {4 * pitch, 4, 1});
   if (a.pieces) d["pieces"] = plane<std::uint32_t>(a, *a.pieces);
@@ -247,6 +253,7 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
     const py::gil_scoped_release release;
     answer = options.by_frustum() ? render::trace_frustum(formulas, rays, bounds, options, *device)
                                    : render::trace_rays(program, formulas, rays, bounds, options, *device);
+    render::widen(answer);
     render::tally(answer, options);
   }
   raise_if_interrupted(answer.outcome);

@@ -41,10 +41,6 @@ struct Sum {
   }
 };
 
-double depth_at(const Answer& a, std::size_t i) {
-  return a.wide ? a.depth->as<double>()[i] : static_cast<double>(a.depth->as<float>()[i]);
-}
-
 }  // namespace
 
 std::vector<std::size_t> silhouettes(const Answer& answer, const View& view) {
@@ -56,7 +52,7 @@ std::vector<std::size_t> silhouettes(const Answer& answer, const View& view) {
     const auto kind = [](unsigned char s) { return s == 2 ? 1 : s; };  // HIT and TOUCH are surface
     bool differ = kind(status[i]) != kind(status[j]);
     if (!differ && kind(status[i]) == 1) {
-      const double a = depth_at(answer, i), b = depth_at(answer, j);
+      const double a = answer.depth_at(i), b = answer.depth_at(j);
       differ = std::fabs(a - b) > kernel::kJump * apart * (view.perspective ? std::min(a, b) : 1);
     }
     if (differ) next[i] = next[j] = 1;
@@ -78,6 +74,7 @@ std::vector<std::size_t> silhouettes(const Answer& answer, const View& view) {
 
 void antialias(Answer& answer, const Finder& find, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds,
                const Options& options, device::Device& device) {
+  widen(answer);
   std::vector<std::size_t> pixels;
   if (!options.everywhere) {
     pixels = silhouettes(answer, view);

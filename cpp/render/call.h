@@ -125,10 +125,17 @@ struct Tally {
   std::size_t wide_hits = 0;            // HITs wider than eps
 };
 
+// What a pass in double has told of some elements of an answer in floats: depths and uncertainties, one after the other.
+struct Finer {
+  std::vector<std::size_t> where;
+  Memory depth, uncertainty;
+};
+
 // Per pixel or ray; `pitch` elements lie between rows. depth and uncertainty are double where `wide`.
 struct Answer {
   std::size_t columns = 0, rows = 1, pitch = 0;
   bool wide = false;
+  std::optional<Finer> finer;  // until somebody wants it (widen): doubles for all elements take as long as it takes to find such few
   std::optional<Memory> depth, uncertainty, status, normal, rgba, pieces;  // normal: three planes of rows * pitch floats
   std::size_t escalated = 0;     // pixels that another pass decides, or the reference
   std::size_t by_reference = 0;  // of these, those that the reference was asked about
@@ -148,7 +155,16 @@ struct Answer {
     launch_seconds += pass.launch_seconds;
     kernel_seconds += pass.kernel_seconds;
   }
+
+  double depth_at(std::size_t i) const { return at(*depth, i); }
+  double uncertainty_at(std::size_t i) const { return at(*uncertainty, i); }
+
+ private:
+  double at(const Memory& m, std::size_t i) const { return wide ? m.as<double>()[i] : static_cast<double>(m.as<float>()[i]); }
 };
+
+// Makes depths and uncertainties double where some of them are known in double (Answer::finer).
+void widen(Answer& answer);
 
 Answer render_frame(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options,
                     device::Device& device);

@@ -194,11 +194,9 @@ void decide_open(Answer& answer, const program::Program& program, const Second& 
   const bool worth = open.size() > kVeryFewRays, ready = few && answer.builds == 0 && (worth || program.inputs() > 0) && second.prepare() && worth;
   if (few && !ready && !open.empty()) open = second.refer(open);
   if (open.empty() || answer.outcome != device::Outcome::done) return;
-  scatter(answer, second.pass(open), open, options);
-  if (!ready || answer.outcome != device::Outcome::done) return;
+  open = scatter(answer, second.pass(open), open, options);
   // Statuses do not depend on which of the two came first.
-  open = undecided(answer, open, options);
-  if (open.empty()) return;
+  if (!ready || open.empty() || answer.outcome != device::Outcome::done) return;
   const std::size_t counted = answer.escalated;
   second.refer(open);
   answer.escalated = counted;

@@ -95,7 +95,7 @@ Reals bordered_depths(const Answer& answer, Precision precision) {
       const std::size_t i = row * answer.pitch + column;
       const unsigned char status = answer.status->as<unsigned char>()[i];
       if (status == 0) continue;
-      const double depth = answer.wide ? answer.depth->as<double>()[i] : static_cast<double>(answer.depth->as<float>()[i]);
+      const double depth = answer.depth_at(i);
       depths.set((row + 1) * width + column + 1, status == 3 ? -kInfinity : depth);
     }
   return depths;
@@ -103,6 +103,7 @@ Reals bordered_depths(const Answer& answer, Precision precision) {
 
 void shade_by_neighbours(Answer& answer, const program::Program& program, const View& view, const Bounds& bounds,
                          const Options& options, device::Device& device) {
+  widen(answer);
   const Precision precision = answer.wide ? Precision::Double : Precision::Single;
   const kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::Neighbours);
   // Rows are as long as the answer's, whose packets may be wider.

@@ -380,7 +380,7 @@ Answer picked(const Answer& pass, const std::vector<std::size_t>& there, const O
 // Unit normals towards the viewer where there is a root; nan elsewhere.
 void add_normals(const Formulas& formulas, const std::vector<numerics::Ray>& rays, Answer& answer) {
   std::vector<double> t;
-  for (std::size_t i = 0; i < rays.size(); ++i) t.push_back(answer.wide ? answer.depth->as<double>()[i] : static_cast<double>(answer.depth->as<float>()[i]));
+  for (std::size_t i = 0; i < rays.size(); ++i) t.push_back(answer.depth_at(i));
   const HostNormals found = normals_at(formulas, rays, t);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const unsigned char status = answer.status->as<unsigned char>()[i];
@@ -446,10 +446,9 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     for (const std::size_t i : open)
       there.push_back(static_cast<std::size_t>(std::lower_bound(packets.begin(), packets.end(), i) - packets.begin()));
     const double spent = second.prepare_seconds;
-    scatter(answer, picked(second, there, options), open, options);
+    open = scatter(answer, picked(second, there, options), open, options);
     answer.prepare_seconds += spent;
     if (answer.outcome != device::Outcome::done) return answer;
-    open = undecided(answer, open, options);
     answer.escalated -= open.size();  // they are counted once
   }
   if (open.empty() || marches(kReferenceShare, kReferenceLeast) || !options.refers()) return answer;

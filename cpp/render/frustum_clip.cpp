@@ -8,11 +8,9 @@
 namespace irt::render {
 namespace {
 
-double value(const Answer& a, const Memory& m, std::size_t i) { return a.wide ? m.as<double>()[i] : static_cast<double>(m.as<float>()[i]); }
-
 // A box around the bracket of pixel i, as enclose_pieces takes it; rounding outward to floats is left to a pad where those will be used.
 std::array<double, 9> box_of(const Answer& answer, std::size_t i, const View& view, const Options& options, bool wide) {
-  const double t = value(answer, *answer.depth, i), known = value(answer, *answer.uncertainty, i);
+  const double t = answer.depth_at(i), known = answer.uncertainty_at(i);
   const double half = std::isnan(known) ? 0.5 * options.eps : known;
   const double scale = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<double>(view.columns) / view.rows;
   const double sx = (2 * (i % answer.pitch + 0.5 + view.right_by) / view.columns - 1) * scale * aspect,
@@ -33,6 +31,7 @@ std::array<double, 9> box_of(const Answer& answer, std::size_t i, const View& vi
 }  // namespace
 
 void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+  widen(answer);
   std::vector<std::size_t> hits, again;
   for (std::size_t row = 0; row < answer.rows; ++row)
     for (std::size_t column = 0; column < answer.columns; ++column) {

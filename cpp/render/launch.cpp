@@ -15,6 +15,7 @@
 #include <mutex>
 #include <new>
 #include <tuple>
+#include <utility>
 
 #include "caps.h"
 #include "error.h"
@@ -386,13 +387,14 @@ IRT_WIDEST Counted counted(const unsigned char* status, const double* half, std:
 
 bool is_wide(const Answer& answer, std::size_t i, const Options& options) {
   if (answer.status->as<unsigned char>()[i] != 1 || !options.outward) return false;
-  return !((answer.wide ? answer.uncertainty->as<double>()[i] : static_cast<double>(answer.uncertainty->as<float>()[i])) <= 0.5 * options.eps);
+  return !(answer.uncertainty_at(i) <= 0.5 * options.eps);
 }
 
 bool is_undecided(const Answer& answer, std::size_t i, const Options& options) { return answer.status->as<unsigned char>()[i] >= 2 || is_wide(answer, i, options); }
 
 // Counts what there is, row by row; `open` gets what undecided() tells. With fast rounding no bracket has a width.
 void look(Answer& answer, const Options& options, std::vector<std::size_t>* open) {
+  widen(answer);
   Tally& tally = answer.tally.emplace();
   const auto rows = [&](const auto* half, auto most) {
     for (std::size_t row = 0; row < answer.rows; ++row, half += answer.pitch) {
@@ -428,43 +430,46 @@ std::vector<std::size_t> undecided(Answer& answer, const Options& options) {
   return open;
 }
 
-std::vector<std::size_t> undecided(const Answer& answer, const std::vector<std::size_t>& some, const Options& options) {
-  std::vector<std::size_t> open;
-  std::copy_if(some.begin(), some.end(), std::back_inserter(open), [&](std::size_t i) { return is_undecided(answer, i, options); });
-  return open;
+void widen(Answer& answer) {
+  if (!answer.finer) return;
+  const Finer finer = *std::exchange(answer.finer, std::nullopt);
+  const std::size_t n = answer.pitch * answer.rows;
+  for (auto [all, some] : {std::pair(&answer.depth, &finer.depth), std::pair(&answer.uncertainty, &finer.uncertainty)}) {
+    Memory wider(n * sizeof(double));
+    std::copy_n((*all)->as<float>(), n, wider.as<double>());
+    for (std::size_t k = 0; k < finer.where.size(); ++k) wider.as<double>()[finer.where[k]] = some->as<double>()[k];
+    *all = wider;
+  }
+  answer.wide = true;
 }
 
-void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where, const Options& options) {
+std::vector<std::size_t> scatter(Answer& answer, Answer part, const std::vector<std::size_t>& where, const Options& options) {
+  widen(part);
+  widen(answer);
   const std::size_t n = answer.pitch * answer.rows;
-  const auto copy = [&](const Memory& to, std::size_t i, const Memory& from, std::size_t k) {
-    const double v = part.wide ? from.as<double>()[k] : static_cast<double>(from.as<float>()[k]);
+  if (part.wide && !answer.wide) answer.finer = Finer{where, *part.depth, *part.uncertainty};
+  const auto copy = [&](const Memory& to, std::size_t i, double v) {
     if (answer.wide) {
       to.as<double>()[i] = v;
     } else {
       to.as<float>()[i] = static_cast<float>(v);
     }
   };
-  if (part.wide && !answer.wide) {
-    for (std::optional<Memory>* m : {&answer.depth, &answer.uncertainty}) {
-      Memory wider(n * sizeof(double));
-      std::copy_n((*m)->as<float>(), n, wider.as<double>());
-      *m = wider;
-    }
-    answer.wide = true;
-  }
   const std::size_t part_plane = part.pitch * part.rows;
-  const auto count = [&](std::size_t i, std::size_t by) {
+  const auto count = [&](const Answer& from, std::size_t i, std::size_t by) {
     if (!answer.tally) return;
-    answer.tally->counts[answer.status->as<unsigned char>()[i]] += by;
-    if (is_wide(answer, i, options)) answer.tally->wide_hits += by;
+    answer.tally->counts[from.status->as<unsigned char>()[i]] += by;
+    if (is_wide(from, i, options)) answer.tally->wide_hits += by;
   };
+  std::vector<std::size_t> open;
   for (std::size_t k = 0; k < where.size(); ++k) {
     const std::size_t i = where[k];
-    count(i, -std::size_t{1});
-    copy(*answer.depth, i, *part.depth, k);
-    copy(*answer.uncertainty, i, *part.uncertainty, k);
+    count(answer, i, -std::size_t{1});
+    count(part, k, 1);
+    if (is_undecided(part, k, options)) open.push_back(i);
+    copy(*answer.depth, i, part.depth_at(k));
+    copy(*answer.uncertainty, i, part.uncertainty_at(k));
     answer.status->as<unsigned char>()[i] = part.status->as<unsigned char>()[k];
-    count(i, 1);
     if (answer.normal)
       for (std::size_t axis = 0; axis < 3; ++axis)
         answer.normal->as<float>()[axis * n + i] = part.normal->as<float>()[axis * part_plane + k];
@@ -475,6 +480,7 @@ void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>&
   answer.by_reference += part.by_reference;
   answer.add_work_of(part);
   answer.outcome = part.outcome;
+  return open;
 }
 
 }  // namespace irt::render

@@ -68,11 +68,10 @@ void add_shading(Answer& answer, const Options& options);
 // Fills in Answer::tally.
 void tally(Answer& answer, const Options& options);
 
-// Pixels or rays that single precision left open, or whose bracket is wider than eps; of all, or of some.
+// Pixels or rays that single precision left open, or whose bracket is wider than eps.
 std::vector<std::size_t> undecided(Answer& answer, const Options& options);
-std::vector<std::size_t> undecided(const Answer& answer, const std::vector<std::size_t>& some, const Options& options);
 
-// Puts the results of `part`, in order, at the indices given; depth becomes double where it is in `part`.
-void scatter(Answer& answer, const Answer& part, const std::vector<std::size_t>& where, const Options& options);
+// Puts the results of `part`, in order, at the indices given. Returns those that are still undecided.
+std::vector<std::size_t> scatter(Answer& answer, Answer part, const std::vector<std::size_t>& where, const Options& options);
 
 }  // namespace irt::render

@@ -79,8 +79,9 @@ class Frame:
     def __init__(
         self, result: Mapping[str, Any], formula: Expr, camera: Camera, bounds: Bounds, params: Mapping[str, float], stats: Stats
     ) -> None:
-        self.depth: npt.NDArray[Any] = result["depth"]
-        self.uncertainty: npt.NDArray[Any] = result["uncertainty"]
+        self._depth: npt.NDArray[Any] = result["depth"]
+        self._uncertainty: npt.NDArray[Any] = result["uncertainty"]
+        self._finer: tuple[npt.NDArray[np.int64], npt.NDArray[np.float64], npt.NDArray[np.float64]] | None = result.get("finer")
         self.status: npt.NDArray[np.uint8] = result["status"]
         self._normal: npt.NDArray[np.float32] | None = result.get("normal")
         self._rgba: npt.NDArray[np.uint8] | None = result.get("rgba")
@@ -94,7 +95,30 @@ class Frame:
     @property
     def size(self) -> tuple[int, int]:
         """(width, height) in pixels."""
-        return self.depth.shape[1], self.depth.shape[0]
+        return self.status.shape[1], self.status.shape[0]
+
+    @property
+    def depth(self) -> npt.NDArray[Any]:
+        """(H, W): distance along the unit ray; float32 or float64."""
+        self._widen()
+        return self._depth
+
+    @property
+    def uncertainty(self) -> npt.NDArray[Any]:
+        """(H, W): half the width of the proven bracket around depth; float32 or float64."""
+        self._widen()
+        return self._uncertainty
+
+    def _widen(self) -> None:
+        """Both arrays in double, where some pixels are known in double: not before somebody asks, as it takes as long as finding these."""
+        if self._finer is None:
+            return
+        where, depth, uncertainty = self._finer
+        wide = [array.astype(np.float64, order="C") for array in (self._depth, self._uncertainty)]
+        for array, some in zip(wide, (depth, uncertainty), strict=True):
+            array.reshape(-1)[where] = some
+        self._depth, self._uncertainty = wide
+        self._finer = None
 
     @property
     def normal(self) -> npt.NDArray[np.float32]:

@@ -121,8 +121,7 @@ def stats_of(request: dict[str, Any], result: dict[str, Any], reason: str, start
     """What ran, from the request and the core's answer; `started` and `parsed` are of time.perf_counter()."""
     proven = request["rounding"] == "outward"
     device = request["device"]
-    depth = result["depth"]
-    double = depth.dtype == np.float64
+    double = result["depth"].dtype == np.float64 or "finer" in result
     method = request["method"]
     # A driver is looked for, probed and loaded once in a process: seconds, which no parser took.
     driver = {"driver": request["opening"]} if request["opening"] > 1e-3 else {}
