@@ -54,6 +54,7 @@ def finder_request(
     precision = one_of(precision, "precision", ("auto", "single", "double"))
     values = request_parameters(f, expr, params, bounds)
     first_eps = 0.0
+    how = ""
     if precision == "auto":
         resolved = bounds.single_resolution
         blur = 0.0
@@ -67,8 +68,14 @@ def finder_request(
             first_eps = BRACKETED * resolved
         elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
             precision = "double"
+            how = "single precision does not resolve eps" if width * shortest < HOPELESS * resolved else "rounding in single precision would drown it"
+            how += ", so all is done in double"
         elif entry.steps:
             precision = "single"
+        if first_eps:
+            how = "eps is near what single precision resolves or below, so brackets found there are narrowed down in double"
+    if method == "auto" and how:
+        reason = f"{reason}; {how}"
     request = {
         "formula": entry.prepare(expr, isovalue)._node,
         "method": entry.method.name,

@@ -189,6 +189,13 @@ def test_auto_takes_the_form_where_it_is_fastest() -> None:
     assert irt.trace("x^2*y + z - 0.1", (0, 0, 4), (0, 0, -1), bounds=2).stats.method == "contract"
 
 
+def test_auto_says_how_it_reaches_eps() -> None:
+    coarse, fine, finest = (irt.render("x^2*y + z - 0.1", size=(16, 16), eps=eps).stats.reason for eps in (1e-3, 1e-6, 1e-12))
+    assert "double" not in coarse and "narrowed down in double" in fine and "does not resolve eps" in finest
+    assert "drown" in irt.render(irt.surfaces["chmutov_20"], size=(8, 8)).stats.reason
+    assert irt.render("x^2*y + z - 0.1", size=(16, 16), eps=1e-12, method="ia").stats.reason == "asked for"
+
+
 def test_auto_marches_on_where_the_form_decides_little() -> None:
     with pytest.raises(irt.MethodError, match="range of doubles"):
         irt.render("1e280*(x^2 + y^2 + z^2 + 1)^7", bounds=1000, size=(16, 16), method="frustum-newton")
