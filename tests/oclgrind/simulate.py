@@ -115,7 +115,7 @@ def simulate(width: int, quick: bool) -> list[str]:
             seen = len(said)
             print(f"width {width}: {what}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
         # Nothing said means something only if a fault is not passed over: this kernel writes past its buffers.
-        broken = with_change(Path(folder), "trace.cl", "write_results(&ray, &root, row * pitch", "write_results(&ray, &root, 1000000 + row * pitch")
+        broken = with_change(Path(folder), "trace.cl", "packet_at(column", "packet_at(1000000 + column")
         _core.set_kernel_directory(str(broken))
         irt.render("x^2 + y^2 + 2 z^2 - 1", size=(19, 5), bounds=1.5, method="ia", outputs=(), device="oclgrind")
         said = log.read_text() if log.exists() else ""
