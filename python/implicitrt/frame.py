@@ -222,8 +222,8 @@ class Frame:
         )
         if s.counts.get("UNRESOLVED"):
             text += (
-                "; UNRESOLVED pixels are poles or spent budgets: a larger max_pieces or time_limit, "
-                'precision="double" or a factored formula may help'
+                "; UNRESOLVED pixels are poles, spent budgets, or rays from so far away that they may lie anywhere in the bounds: a larger "
+                'max_pieces or time_limit, precision="double", a factored formula or a nearer camera may help'
             )
         return text + ">"
 
