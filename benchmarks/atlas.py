@@ -1,6 +1,6 @@
 """Where methods fail: writes docs/where-methods-fail.md and its pictures, from the cases of tests/atlas.
 
-    python benchmarks/atlas.py [CASE ...] [--size 96]        the page, and the pictures of these cases, or of all
+    python benchmarks/atlas.py [CASE ...]        the page, and the pictures of these cases, or of all
 """
 
 from __future__ import annotations
@@ -24,11 +24,14 @@ import outcomes
 from cases import CASES
 
 ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "where-methods-fail.md"
 
 # What is wrong or open in a picture, over the shaded surface.
 COLORS = {"missed": (214, 39, 40), "false": (255, 127, 14), "elsewhere": (148, 103, 189), "open": (240, 200, 40)}
 LABEL = 14  # pixels above each picture
 ACROSS = 6  # pictures in a row of a sheet
+ZOOM = 3  # of the pictures of what was measured, which are small
+ROBUST_SIZE = (96, 96)
 
 TEXT = """# Where methods fail
 
@@ -37,7 +40,8 @@ precision at {device}, width {width}. The tests hold the same outcomes fast; `pr
 
 A picture is *right* where at most {right:.0%} of its pixels are anything else. *Misses*: a surface is there and MISS was said (red).
 *False hits*: none is there and HIT was said (orange). *Speckles*: HIT, but not at the first zero (purple). *Unresolved*: TOUCH or UNRESOLVED
-(yellow), but for tangency that is real. Methods that prove their statuses may be unresolved, and never anything worse.
+(yellow), but for tangency that is real. Methods that prove their statuses may be unresolved, and never anything worse. Pictures show what was measured: {pixels} x {pixels} pixels,
+{zoom} times as large. In larger ones what the frustum form leaves open is less, as a tile of the screen is a smaller part of them.
 
 {table}
 
@@ -55,7 +59,7 @@ false, elsewhere), of open ones, and how many steps or pieces a ray takes on ave
 
 The sign test misses what a ray crosses twice within a step: the sheets on both sides of a double line. The paper's Taylor test makes false roots; ours halves a
 step that it suspects and asks again (docs/architecture.md), so that none is left here, and a few pixels stay open. Mitchell's method, rounded outward, is the only one of
-these that proves what it says, and looks at each ray less often. Frames per second are in [the tables](table_s3.md).
+these that proves what it says, and by affine forms it looks at each ray less often. Frames per second are in [the tables](table_s3.md).
 
 """
 
@@ -90,17 +94,21 @@ def picture(case: Any, frame: irt.Frame | None, real: irt.Reference, camera: irt
     return Image.fromarray(colors)
 
 
-def sheet(pictures: list[tuple[str, Image.Image]], path: Path, in_row: int = ACROSS) -> None:
+def sheet(pictures: list[tuple[str, Image.Image]], path: Path, in_row: int = ACROSS, zoom: int = 1) -> None:
     """Pictures with their labels, side by side."""
-    w, h = pictures[0][1].size
+    w, h = (zoom * n for n in pictures[0][1].size)
     across, down = min(in_row, len(pictures)), -(-len(pictures) // in_row)
     paper = Image.new("RGB", (across * (w + 6), down * (h + LABEL + 4)), "white")
     pen = ImageDraw.Draw(paper)
     for k, (label, image) in enumerate(pictures):
         x, y = k % in_row * (w + 6), k // in_row * (h + LABEL + 4)
         pen.text((x + 1, y + 1), label, fill=(60, 60, 60))
-        paper.paste(image, (x, y + LABEL))
-    paper.quantize(64).save(path, optimize=True)
+        paper.paste(image.resize((w, h), Image.Resampling.NEAREST), (x, y + LABEL))
+    # Few colours, among them those of what is wrong: a single pixel of one is what the picture is about.
+    kept = 60
+    palette = Image.new("P", (1, 1))
+    palette.putpalette((paper.quantize(kept).getpalette() or [])[: 3 * kept] + [c for color in COLORS.values() for c in color])
+    paper.quantize(palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def robustness(size: tuple[int, int], folder: Path) -> str:
@@ -129,7 +137,9 @@ def section(name: str, size: tuple[int, int], folder: Path, draws: bool) -> str:
     failing = {m: found for m, found in row.items() if outcomes.outcome(found) not in ("right", "refused")}
     text = f"## {name}\n\n`{case.formula}`: {case.why}\n\n"
     if not failing:
-        return text + "Every method that takes it gets it right.\n"
+        wrong = {m: {w: r for w, r in (found or {}).items() if r and w != "open"} for m, found in row.items()}
+        few = "; ".join(f"`{m}`: " + ", ".join(f"{r:.1%} {w}" for w, r in rates.items()) for m, rates in wrong.items() if rates)
+        return text + "Every method that takes it gets it right" + (f", but for single pixels ({few})" if few else "") + ".\n"
     if draws:
         real, pictures = irt.reference(case.surface, size=size, time_limit=120, **case.keywords), []
         for method in failing:
@@ -137,31 +147,35 @@ def section(name: str, size: tuple[int, int], folder: Path, draws: bool) -> str:
             if not pictures:
                 pictures.append(("the reference", picture(case, None, real, frame.camera, size)))
             pictures.append((method, picture(case, frame, real, frame.camera, size)))
-        sheet(pictures, folder / f"{name}.png")
+        sheet(pictures, folder / f"{name}.png", zoom=ZOOM)
     said = [[f"`{m}`", outcomes.outcome(found), *(f"{r:.1%}" if r else "" for r in (found or {}).values())] for m, found in failing.items()]
     return text + f"![{name}](atlas/{name}.png)\n\n" + table(["method", "outcome", *outcomes.WORDS], said) + "\n"
+
+
+def summary() -> str:
+    """The table of all cases and methods."""
+    known = outcomes.expected()
+    short = {"right": "", "refused": "-"}
+    rows = [[f"[{c}](#{c})", *(short.get(o, o) for o in (outcomes.outcome(known[c][m]) for m in outcomes.names()))] for c in CASES]
+    return "Nothing stands for right, - for a formula that the method does not take.\n\n" + table(["case", *outcomes.names()], rows)
 
 
 def main() -> None:
     """Writes the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", help="whose pictures are drawn; default: all")
-    parser.add_argument("--size", type=int, default=96)
     options = parser.parse_args()
     folder = ROOT / "docs" / "atlas"
     folder.mkdir(exist_ok=True)
-    size = (options.size, options.size)
-    robust = robustness(size, folder)
-    sections = [section(name, size, folder, not options.cases or name in options.cases) for name in CASES]
-    known = outcomes.expected()
-    short = {"right": "", "refused": "-"}
-    rows = [[f"[{c}](#{c})", *(short.get(o, o) for o in (outcomes.outcome(known[c][m]) for m in outcomes.names()))] for c in CASES]
+    robust = robustness(ROBUST_SIZE, folder)
+    sections = [section(name, outcomes.SIZE, folder, not options.cases or name in options.cases) for name in CASES]
     text = TEXT.format(
         date=datetime.date.today().isoformat(), device=outcomes.PINNED[0], width=outcomes.PINNED[1], right=outcomes.RIGHT,
-        steps=ROBUST_STEPS, robust=robust,
-        table="Nothing stands for right, - for a formula that the method does not take.\n\n" + table(["case", *outcomes.names()], rows),
+        pixels=outcomes.SIZE[0], zoom=ZOOM, steps=ROBUST_STEPS, robust=robust, table=summary(),
     )  # fmt: skip
-    (ROOT / "docs" / "where-methods-fail.md").write_text(text + "\n".join(sections), encoding="utf-8")
+    PAGE.write_text(text + "\n".join(sections), encoding="utf-8")
+    for orphan in {p.name for p in folder.iterdir()} - {f"{name}.png" for name in ("robustness", *CASES) if f"atlas/{name}.png" in PAGE.read_text(encoding="utf-8")}:
+        (folder / orphan).unlink()
 
 
 if __name__ == "__main__":

@@ -5,7 +5,21 @@
 // method in that bracket refines. An error d of an extremum enters its value as d^2, so that single precision decides about roots
 // as if the extrema were exact; Ferrari's own roots lose half of the digits wherever two of them come close, and all where the
 // leading coefficient vanishes. Extra points never harm: where formulas have no real result any point will do.
+#if IRT_DOUBLE
+#define LARGEST_SCALE 0x1p900  // its reciprocal is no denormal number
+#else
+#define LARGEST_SCALE 0x1p100f
+#endif
 #define SETTLED(v) SELECT(EQ(v, v), clamp(v, (F)-1, (F)1), (F)-1)
+
+// Coefficients and their error times a power of two that leaves products of three of them within reals, whatever f is multiplied by.
+static inline void scale_form(F* c, const int degree, F* error) {
+  F largest = fabs(c[0]);
+  for (int k = 1; k <= degree; ++k) largest = max(largest, fabs(c[k]));
+  const F scale = R(1.0) / clamp(POWER_OF_TWO_BELOW(largest), (F)(R(1.0) / LARGEST_SCALE), (F)LARGEST_SCALE);
+  for (int k = 0; k <= degree; ++k) c[k] *= scale;
+  *error *= scale;
+}
 
 static inline F value_of(const F* c, const int degree, F e) {
   F v = c[degree];
@@ -141,6 +155,15 @@ static inline F root_between(const F* c, const int degree, F a, F b, F side, I l
   }
   return e;
 }
+
+// Whether rounding hides where in (from, to) the root at e lies, by more than `wanted` to either side: near a multiple root.
+static inline I blurred(const F* c, const int degree, F error, F from, F to, F side, F e, F wanted) {
+  const F before = side * value_of(c, degree, max(e - wanted, from)), behind = side * value_of(c, degree, min(e + wanted, to));
+  return ~(GT(before, error) & LT(behind, -error));
+}
+
+// Half of eps, in e.
+static inline F wanted_places(const RAY* ray, F reach, __global const real* q) { return (F)(R(0.5) * EPS) / (NARROW(ray->length) * reach); }
 
 // What was found at e, the piece being middle + e reach.
 static inline ROOT closed_root(const RANGE* range, F middle, F reach, F e, I hit, I touch, I overflow) {

@@ -65,6 +65,7 @@ static inline int any_lane(I m) {
 #define ULP 0x1p-52     // spacing of reals just above 1
 #define TINY 0x1p-1022  // least normal real: what an operation can lose to underflow
 #define HUGE_REAL 0x1.fffffffffffffp+1023
+#define POWER_OF_TWO_BELOW(v) AS_F(AS_I(v) & (I)0x7ff0000000000000)  // of |v|; infinity for that and nan
 #define MODEST 0x1p500  // squares of it and of its reciprocal are far from overflow and underflow
 #define PI_LO 0x1.921fb54442d18p+1
 #define PI_HI 0x1.921fb54442d19p+1
@@ -73,6 +74,7 @@ static inline int any_lane(I m) {
 #define ULP 0x1p-23f
 #define TINY 0x1p-126f
 #define HUGE_REAL 0x1.fffffep+127f
+#define POWER_OF_TWO_BELOW(v) AS_F(AS_I(v) & (I)0x7f800000)
 #define MODEST 0x1p60f
 #define PI_LO 0x1.921fb4p+1f
 #define PI_HI 0x1.921fb6p+1f

@@ -1,11 +1,9 @@
 // A path: the part of a ray that a root finder walks, counted in units from its start, 2^PATH_LEVELS units long.
 #if IRT_DOUBLE
 #define PATH_LEVELS 46
-#define POWER_OF_TWO_BELOW(v) AS_F(AS_I(v) & (I)0x7ff0000000000000)
 #define WHOLE_SHIFT 0x1.8p52
 #else
 #define PATH_LEVELS 22  // middles of pieces stay exact, and a unit is about what single precision resolves
-#define POWER_OF_TWO_BELOW(v) AS_F(AS_I(v) & (I)0x7f800000)
 #define WHOLE_SHIFT 0x1.8p23f
 #endif
 #define PATH_END (((I)1) << PATH_LEVELS)

@@ -24,8 +24,9 @@ namespace {
 using program::Precision;
 
 // So few open pixels go the reference's way at once, while the kernel in double is not built; so few go there in any case. A picture with no more is the same to the
-// last bit however often it is drawn.
-constexpr std::size_t kFewPixels = 64, kVeryFewPixels = 8;
+// last bit however often it is drawn. Of degrees up to the last, this share of a frame is few as well: some 50 us a pixel, where building takes 300 ms.
+constexpr std::size_t kFewPixels = 64, kVeryFewPixels = 8, kFewShare = 256;
+constexpr int kQuickDegree = 14;
 // With Options::or_march, shares of the frame beyond which open pixels are marched instead, and least numbers.
 constexpr std::size_t kDoubleShare = 32, kDoubleLeast = 1024, kReferenceShare = 256, kReferenceLeast = 256;
 // From the one degree on cells of floats have the other along their depth.
@@ -435,10 +436,12 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
   };
   if (marches(kDoubleShare, kDoubleLeast)) return answer;
   // What is drawn again has a camera or a slider that moves, and should compile nothing wherever it goes.
-  const bool ready = first == Precision::Single && answer.builds == 0 &&
+  const bool again = first == Precision::Single && answer.builds == 0;
+  const bool ready = again &&
                      device.prepare(kernel::assemble_frustum(cells_spec(options, device, Precision::Double, degree, screen->tile, bounds, kernel::Entry::PixelList)),
                                     kernel::entry_name(kernel::Entry::PixelList));
-  if (first == Precision::Single && open.size() > (ready ? kVeryFewPixels : kFewPixels)) {
+  const std::size_t few = ready ? kVeryFewPixels : std::max(kFewPixels, degree <= kQuickDegree ? pixels / kFewShare : 0);
+  if (first == Precision::Single && open.size() > few) {
     const std::vector<std::size_t> packets = whole_packets(open, static_cast<std::size_t>(packet_width(device, Precision::Double)));
     const std::vector<bool> tiles = tiles_of(*screen, open, answer.pitch);
     const Answer second = pass(*columns, *screen, view, bounds, options, device, Precision::Double, &packets, answer.pitch, &tiles);
@@ -448,6 +451,7 @@ Answer frustum_passes(const program::Program& program, const Formulas& formulas,
     const double spent = second.prepare_seconds;
     open = scatter(answer, picked(second, there, options), open, options);
     answer.prepare_seconds += spent;
+    answer.builds += again && !ready;  // begun ahead, and waited for
     if (answer.outcome != device::Outcome::done) return answer;
     answer.escalated -= open.size();  // they are counted once
   }

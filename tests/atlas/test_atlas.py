@@ -55,6 +55,19 @@ def test_proven_methods_are_never_expected_to_lie() -> None:
             assert found is None or not (found["missed"] or found["false"] or found["elsewhere"]), (case, method)
 
 
+def test_the_page_says_what_is_expected() -> None:
+    """docs/where-methods-fail.md and its pictures are drawn by benchmarks/atlas.py."""
+    root = Path(__file__).resolve().parents[2]
+    sys.path.insert(0, str(root / "benchmarks"))
+    from atlas import PAGE, section, summary
+
+    page, folder = PAGE.read_text(encoding="utf-8"), root / "docs" / "atlas"
+    assert summary() in page
+    stale = [case for case in CASES if section(case, (0, 0), folder, draws=False).strip() not in page]
+    assert not stale, f"written anew by: python benchmarks/atlas.py {' '.join(stale)}"
+    assert {p.name for p in folder.iterdir()} == {line.split("(atlas/")[1].split(")")[0] for line in page.splitlines() if "](atlas/" in line}
+
+
 def _others() -> list[str]:
     return [d.driver for d in devices() if d.ok and d.driver != PINNED[0]]
 

@@ -181,3 +181,25 @@ def test_kernels_have_no_enclosures() -> None:
         source = irt.kernel_source("Max(x, y)" if method == "csg-analytic" else "x^4 - y", method=method)
         assert "irt_affine" not in source and "irt_interval" not in source and "LOWER(v, n)" in source
         assert "ia_add" not in source and "ra_add" not in source
+
+
+@pytest.mark.parametrize("method", ["analytic", "csg-analytic"])
+@pytest.mark.parametrize("factor", ["10^20", "10^(-25)", "10^35", "10^(-300)"])
+@pytest.mark.parametrize("f", ["x^2 + y^2 + z^2 - 1", "x^3 + y^2 - z", "x^4 + y^4 + z^2 - 1"])
+def test_a_factor_changes_nothing(f: str, factor: str, method: str) -> None:
+    """Squares of coefficients left the range of floats: wrong depths and misses, which nothing noticed."""
+    frame = irt.render(f"{factor}*({f})", size=(20, 20), method=method)
+    truth = irt.reference(f, size=(20, 20), camera=frame.camera, bounds=frame.bounds)
+    assert (frame.status == truth.kind).all()
+    assert np.abs(frame.depth - truth.depth)[truth.hit].max() < 1e-5
+
+
+@pytest.mark.parametrize("method", ["analytic", "csg-analytic"])
+def test_triple_roots_go_to_double(method: str) -> None:
+    """Where rounding hides a root by more than eps it is a TOUCH: it was a HIT three times eps away."""
+    f = "(x + y/2 + z/3)^3"
+    single, auto = (irt.render(f, size=(20, 20), method=method, precision=p, eps=1e-3) for p in ("single", "auto"))
+    truth = irt.reference(f, size=(20, 20), camera=auto.camera, bounds=auto.bounds)
+    assert not (single.status == irt.Status.HIT).any() and (single.hit[truth.hit]).all()
+    assert (auto.status == irt.Status.HIT)[truth.hit].all()
+    assert np.abs(auto.depth - truth.depth)[truth.hit].max() < 1e-3

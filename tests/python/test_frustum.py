@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -187,6 +190,24 @@ def test_auto_takes_the_form_where_it_is_fastest() -> None:
     clipped = irt.render("x^2*y + z - 0.1", bounds=[1, irt.Clip("x")], size=(16, 16))
     assert clipped.stats.method == "contract"
     assert irt.trace("x^2*y + z - 0.1", (0, 0, 4), (0, 0, -1), bounds=2).stats.method == "contract"
+
+
+def test_builds_that_are_waited_for_are_counted() -> None:
+    """A kernel in double that is begun behind the second frame: pixels go to the reference until it is there, and where they are too many for that the frame says that it built."""
+    code = """
+import implicitrt as irt
+from implicitrt.devices import open_device
+def draw(f):
+    s = irt.render(f, bounds=2, camera=irt.Camera((3, 3, 4)), size=(640, 480)).stats
+    print(s.builds, s.by_reference)
+steiner, heart = "x^2*y^2 - x^2*z^2 + y^2*z^2 - x*y*z", "(x^2 + y^2 - 1)^3 - z^2*x^3"
+draw(steiner), draw(steiner), open_device(None).finish(), draw(steiner)
+draw("x^6 + y^6 + z^6 - 1"), draw(heart), draw(heart)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    builds, referred = zip(*(map(int, line.split()) for line in done.stdout.split("\n") if line), strict=True)
+    assert builds == (1, 0, 0, 1, 1, 0)
+    assert referred[0] == referred[1] > 64 > referred[2]
 
 
 def test_auto_says_how_it_reaches_eps() -> None:
