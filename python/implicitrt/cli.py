@@ -94,9 +94,6 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--device", help="part of a device's or driver's name (see info)")
     render.add_argument("--precision", default="auto", choices=("auto", "single", "double"))
     render.add_argument("--rounding", default="outward", choices=("outward", "fast"))
-    render.add_argument(
-        "--param", type=_parameter, action="append", default=[], metavar="NAME=VALUE", help="a parameter's value"
-    )
     render.add_argument("--normals", default="gradient", choices=("gradient", "neighbours"))
     render.add_argument(
         "--antialias", metavar="N", help="means of N x N samples in each pixel, or 'silhouette': only where it shows"
@@ -109,6 +106,8 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument("--size", type=_size, default=(256, 256), help="256x256")
     compare.add_argument("--runs", type=int, default=5, help="timed frames for each point")
     compare.add_argument("--device", help="part of a device's or driver's name (see info)")
+    for command in (render, compare):
+        command.add_argument("--param", type=_parameter, action="append", default=[], metavar="NAME=VALUE", help="a parameter's value")
     commands.add_parser("info", help="show every OpenCL driver found, and which is used")
     commands.add_parser("list", help="show the named surfaces")
     return parser
@@ -137,12 +136,17 @@ def _check_output(path: Path, kinds: tuple[str, ...]) -> None:
         raise ArgumentError(f"cannot write into '{path.parent}': {error.strerror}") from None
 
 
+def _surface(what: str, params: list[tuple[str, float]]) -> Any:
+    """A lone name that nobody gives a value is a surface, or one misspelt."""
+    what = what.strip()
+    named = what in irt.surfaces or (what.isidentifier() and what not in {"x", "y", "z", *dict(params)})
+    return irt.surfaces[what] if named else what
+
+
 def _render(args: argparse.Namespace) -> None:
     output = Path(args.output)
     _check_output(output, (".png", ".npz"))
-    # A lone name that nobody gives a value is a surface, or one misspelt.
-    named = args.what in irt.surfaces or (args.what.isidentifier() and args.what not in {"x", "y", "z", *dict(args.param)})
-    surface: Any = irt.surfaces[args.what] if named else args.what
+    surface = _surface(args.what, args.param)
     camera = None
     if args.camera:
         if len(args.camera) not in (3, 6):
@@ -166,7 +170,7 @@ def _compare(args: argparse.Namespace) -> int:
     output = Path(args.output)
     _check_output(output, (".png", ".svg", ".csv", ".md"))
     found = irt.compare(
-        args.what, args.methods, args.eps, args.size, args.device, runs=args.runs,
+        [_surface(what, args.param) for what in args.what], args.methods, args.eps, args.size, args.device, runs=args.runs, params=dict(args.param) or None,
         progress=lambda line: print(line, file=sys.stderr, flush=True),
     )  # fmt: skip
     if output.suffix.lower() == ".csv":

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from implicitrt.arguments import positive
+from implicitrt.arguments import positive, request_progress
 from implicitrt.devices import open_device
 from implicitrt.errors import ArgumentError, MethodError
 from implicitrt.expression import Expr, ExprLike, sympify
@@ -88,18 +88,21 @@ class Comparison:
         """The table as Markdown."""
         head, rows = self._cells()
         lines = ["| " + " | ".join(r) + " |" for r in [head, *rows]]
-        return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+        return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]]) + self._ending("\n\n")
 
     def _repr_html_(self) -> str:
         head, rows = self._cells()
         cells = "".join("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in rows)
-        return "<table><tr>" + "".join(f"<th>{h}</th>" for h in head) + f"</tr>{cells}</table>"
+        return "<table><tr>" + "".join(f"<th>{h}</th>" for h in head) + f"</tr>{cells}</table>" + self._ending("")
 
     def __repr__(self) -> str:
         head, rows = self._cells()
         widths = [max(len(r[k]) for r in [head, *rows]) for k in range(len(head))]
         text = "\n".join("  ".join(c.rjust(w) for c, w in zip(r, widths, strict=True)) for r in [head, *rows])
-        return text + ("" if self.complete else "\n(interrupted)")
+        return text + self._ending("\n")
+
+    def _ending(self, before: str) -> str:
+        return "" if self.complete else before + "(interrupted)"
 
     def pareto(self, formula: str) -> list[Point]:
         """The points of a formula that no other one beats in time and in largest error, fastest first. What misses roots, or
@@ -128,9 +131,12 @@ class Comparison:
         names = list(dict.fromkeys(p.formula for p in self.points))
         if not names:
             raise ArgumentError("there is nothing to plot: the comparison has no points")
+        kind = "png" if path is None else Path(path).suffix.lower().lstrip(".") or "png"
         columns = min(3, len(names))
         rows = -(-len(names) // columns)
         figure = Figure(figsize=(4.6 * columns, 3.6 * rows), layout="constrained")
+        if kind not in (formats := figure.canvas.get_supported_filetypes()):
+            raise ArgumentError(f"a chart is saved as {', '.join(sorted(formats))}, not as '{path}'")
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         kinds = list(dict.fromkeys(p.method for p in self.points))
         colors = colormaps["tab20"].colors  # type: ignore[attr-defined]
@@ -161,7 +167,7 @@ class Comparison:
         )
         if path is not None:
             picture = io.BytesIO()
-            figure.savefig(picture, dpi=130, format=Path(path).suffix.lower().lstrip(".") or "png")
+            figure.savefig(picture, dpi=130, format=kind)
             write_atomically(path, picture.getvalue())
         return figure
 
@@ -286,25 +292,30 @@ def compare(
         makes for each frame; `of_limit` divides them by the time, measured just before, of a frame that looks once at each ray and takes its gradient.
 
     Raises:
-        ArgumentError, ExpressionError, DeviceError.
+        ArgumentError, ExpressionError, MethodError, DeviceError.
     """
     if not isinstance(runs, (int, np.integer)) or isinstance(runs, bool) or runs < 1:
         raise ArgumentError(f"runs must be a whole number, at least 1, not {runs!r}")
+    request_progress(progress)
     widths = [positive(e, "eps") for e in _list(eps, (int, float, str))]
+    chosen = list(known_methods()) if methods is None else _list(methods, (str,))
+    asked = [_named(f) for f in _list(formulas, (str, Expr, NamedSurface))]
+    for what, given in {"formulas": asked, "methods": chosen, "eps": widths}.items():
+        if not given:
+            raise ArgumentError(f"{what} is empty; give at least one")
+    shared: dict[str, Any] = {"bounds": bounds, "params": params, "device": device, "precision": precision, "outputs": ("normal",)}
+    for _, formula in asked[1:]:  # what is wrong with the last is told before the first is drawn
+        render(formula, size=(1, 1), eps=1e6, method="raa", rounding="fast", **shared | {"precision": "single"})
     if progress is None and sys.stderr.isatty():
 
         def progress(line: str) -> None:
             print(line, file=sys.stderr, flush=True)
 
-    chosen = list(known_methods()) if methods is None else _list(methods, (str,))
     points: list[Point] = []
     used = device or ""
+    keywords = shared | {"size": size}
     try:
-        for f in _list(formulas, (str, Expr, NamedSurface)):
-            name, formula = _named(f)
-            keywords: dict[str, Any] = {
-                "bounds": bounds, "params": params, "size": size, "device": device, "precision": precision, "outputs": ("normal",),
-            }  # fmt: skip
+        for name, formula in asked:
             # One look at each ray and a gradient: what no root finder can go below.
             looks = [
                 render(formula, eps=1e6, method="raa", rounding="fast", **keywords | {"precision": "single"})
@@ -325,4 +336,6 @@ def compare(
                     return Comparison(points, size, used, complete=False)
     except KeyboardInterrupt:
         return Comparison(points, size, used, complete=False)
+    if not points:
+        raise MethodError("none of these methods takes any of these formulas; irt.methods() says what each is for")
     return Comparison(points, size, used)

@@ -300,7 +300,7 @@ def _choose(expr: Expr) -> tuple[str, str]:
         curved += node.op in _CURVED or (node.op == "Mul" and sum(a.op != "Number" for a in node.args) > 1)
         stack.extend(node.args)
     if choice and not curved:
-        return "ia", "it is made of planes, whose ranges along a ray interval arithmetic knows exactly"
+        return "ia", "it is made of planes and what chooses between them or jumps, whose ranges along a ray interval arithmetic knows exactly"
     return "contract", "affine forms tell along the ray where zeros may lie"
 
 

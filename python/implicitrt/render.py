@@ -99,8 +99,8 @@ def render(
         background: a colour, or None for transparent.
         unresolved_color: of UNRESOLVED pixels.
         previous: a frame of the same formula and size, for the methods on the frustum form: roots are looked for near those
-            of the same pixels there first. Changes how long it takes, and nothing that is said of a pixel; `auto`
-            takes it where it takes such a method.
+            of the same pixels there first. Changes how long it takes, and nothing that is said of a pixel; its kernel
+            is another one, which the first such frame builds. `auto` takes it where it takes such a method.
         progress: called with the fraction done, between bands of rows.
 
     Returns:

@@ -108,4 +108,29 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     )
     assert "| sphere | raa |" in out.read_text() and "sphere" in capsys.readouterr().out
     assert main(["compare", "sphere", "-o", str(tmp_path / "chart.txt")]) == 1
+    assert main(["compare", "sphare", "-o", str(out)]) == 1 and "did you mean sphere" in capsys.readouterr().err
+    assert main(["compare", "x - a", "--param", "a=0.2", "-o", str(out), "--methods", "ia", "--eps", "1e-2", "--size", "16", "--runs", "1"]) == 0
     assert main(["compare", "sin(x)", "-o", str(tmp_path / "none.png"), "--methods", "frustum-lr", "--size", "8", "--runs", "1"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("formulas", "options", "words"),
+    [
+        (["sphere", "x - a"], {}, "parameter 'a'"),
+        ([], {}, "formulas is empty"),
+        ("sphere", {"methods": []}, "methods is empty"),
+        ("sphere", {"eps": []}, "eps is empty"),
+        ("sin(x)", {"methods": ["analytic"]}, "none of these methods"),
+        ("sphere", {"progress": 3}, "progress must be"),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_is_drawn(formulas: object, options: dict[str, object], words: str) -> None:
+    told: list[str] = []
+    with pytest.raises(irt.Error, match=words):
+        irt.compare(formulas, **({"methods": ["ia"], "eps": 1e-2, "size": (16, 16), "runs": 1, "progress": told.append} | options))
+    assert not told
+
+
+def test_charts_of_unknown_kinds_are_refused(chart: irt.Comparison, tmp_path: Path) -> None:
+    with pytest.raises(irt.ArgumentError, match="a chart is saved as"):
+        chart.plot(tmp_path / "chart.xyz")
