@@ -245,13 +245,11 @@ py::dict trace_rays(const Expr& f, const py::dict& request) {
   const auto tmin = get<DoubleArray>(request, "tmin"), tmax = get<DoubleArray>(request, "tmax");
   const render::Rays rays{origins.data(), directions.data(), tmin.data(), tmax.data(), static_cast<std::size_t>(tmin.size())};
   const render::Formulas formulas = formulas_of(f, request);
-  if (options.by_frustum() && request.contains("clip") && !request["clip"].is_none())
-    throw MethodError("trace by the frustum form's root finders knows no Clip; \"contract\", \"raa\" and \"ia\" do");
   const auto device = get<std::shared_ptr<device::Device>>(request, "device");
   render::Answer answer;
   {
     const py::gil_scoped_release release;
-    answer = options.by_frustum() ? render::trace_frustum(formulas, rays, bounds, options, *device)
+    answer = options.by_frustum() ? render::trace_frustum(program, formulas, rays, bounds, options, *device)
                                    : render::trace_rays(program, formulas, rays, bounds, options, *device);
     render::widen(answer);
     render::tally(answer, options);

@@ -172,7 +172,7 @@ Answer render_frame(const program::Program& program, const Formulas& formulas, c
 // By the frustum form; `program` is that of f. Throws MethodError where f is no polynomial, or one of too high a degree.
 Answer render_frustum(const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device);
 
-Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& bounds,
+Answer trace_frustum(const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& bounds,
                      const Options& options, device::Device& device);
 
 // The source of the kernel that render_frustum would run at 640 x 480.

@@ -474,7 +474,7 @@ Answer render_frustum(const program::Program& program, const Formulas& formulas,
   return picture(find, program, formulas, view, bounds, options, device);
 }
 
-Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& given, const Options& options, device::Device& device) {
+Answer trace_frustum(const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& given, const Options& options, device::Device& device) {
   const auto start = std::chrono::steady_clock::now();
   const Bounds bounds = narrowed(given, formulas, options);
   const numerics::Formula formula(formulas.f, formulas.parameters);
@@ -519,9 +519,11 @@ Answer trace_frustum(const Formulas& formulas, const Rays& rays, const Bounds& g
   if (answer.outcome != device::Outcome::done) return answer;
   if (precision == Precision::Double && options.refers()) {
     const std::vector<std::size_t> open = undecided(answer, options);
-    decide_rays(answer, open, rays, formulas, query_of(formulas, bounds, options), options);
+    const Formulas unclipped{formulas.f, {}, formulas.parameters};
+    decide_rays(answer, open, rays, unclipped, query_of(unclipped, bounds, options), options);
   }
   if (answer.normal) add_normals(formulas, rays_of(rays), answer);
+  if (formulas.g && answer.outcome == device::Outcome::done) apply_clip(answer, program, formulas, rays, bounds, options, device);
   return answer;
 }
 

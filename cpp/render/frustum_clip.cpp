@@ -3,34 +3,30 @@
 
 #include <cmath>
 
+#include "render/decide.h"
 #include "render/passes.h"
 
 namespace irt::render {
 namespace {
 
-// A box around the bracket of pixel i, as enclose_pieces takes it; rounding outward to floats is left to a pad where those will be used.
-std::array<double, 9> box_of(const Answer& answer, std::size_t i, const View& view, const Options& options, bool wide) {
+using RaysOf = std::function<std::vector<numerics::Ray>(const std::vector<std::size_t>&)>;
+using Search = std::function<Answer(const std::vector<std::size_t>&)>;
+
+// A box around the bracket of element i on its ray, as enclose_pieces takes it; rounding outward to floats is left to a pad where those will be used.
+std::array<double, 9> box_of(const Answer& answer, std::size_t i, const numerics::Ray& ray, const Options& options, bool wide) {
   const double t = answer.depth_at(i), known = answer.uncertainty_at(i);
   const double half = std::isnan(known) ? 0.5 * options.eps : known;
-  const double scale = view.perspective ? view.tan_half_fov : 0.5 * view.height, aspect = static_cast<double>(view.columns) / view.rows;
-  const double sx = (2 * (i % answer.pitch + 0.5 + view.right_by) / view.columns - 1) * scale * aspect,
-               sy = (1 - 2 * (i / answer.pitch + 0.5 + view.down_by) / view.rows) * scale;
-  const glm::dvec3 off = sx * view.right + sy * view.up;
-  const glm::dvec3 origin = view.perspective ? view.origin : view.origin + off;
-  const glm::dvec3 direction = view.perspective ? glm::normalize(view.forward + off) : view.forward;
   std::array<double, 9> box{};
   for (int k = 0; k < 3; ++k) {
-    // Some ten roundings on the way to the coordinate, and that to the kernel's reals.
-    const double pad = (4e-15 + (wide ? 0 : 1.2e-7)) * (std::fabs(view.origin[k]) + std::fabs(off[k]) + t), reach = half * std::fabs(direction[k]) + pad;
-    box[3 * k] = origin[k] + t * direction[k] - reach;
-    box[3 * k + 1] = origin[k] + t * direction[k] + reach;
+    // Some roundings of the coordinate, and that to the kernel's reals.
+    const double pad = (4e-15 + (wide ? 0 : 1.2e-7)) * (std::fabs(ray.origin[k]) + t * glm::length(ray.direction)), reach = half * std::fabs(ray.direction[k]) + pad;
+    box[3 * k] = ray.origin[k] + t * ray.direction[k] - reach;
+    box[3 * k + 1] = ray.origin[k] + t * ray.direction[k] + reach;
   }
   return box;
 }
 
-}  // namespace
-
-void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+void judge(Answer& answer, const Formulas& formulas, const Options& options, device::Device& device, const RaysOf& rays_at, const Search& search) {
   widen(answer);
   std::vector<std::size_t> hits, again;
   for (std::size_t row = 0; row < answer.rows; ++row)
@@ -42,7 +38,8 @@ void apply_clip(Answer& answer, const program::Program& program, const Formulas&
     }
   const bool wide = device.info().fp64;
   std::vector<std::array<double, 9>> boxes;
-  for (const std::size_t i : hits) boxes.push_back(box_of(answer, i, view, options, wide));
+  const std::vector<numerics::Ray> rays = rays_at(hits);
+  for (std::size_t k = 0; k < hits.size(); ++k) boxes.push_back(box_of(answer, hits[k], rays[k], options, wide));
   const program::Program region = program::lower(*formulas.g);
   Options by_range = options;
   by_range.affine = false;
@@ -56,13 +53,37 @@ void apply_clip(Answer& answer, const program::Program& program, const Formulas&
   for (std::size_t k = 0; k < hits.size(); ++k)
     if (partial || !(ranges[k][1] <= 0)) again.push_back(hits[k]);
   if (again.empty()) return;
-  Options march = options;
-  march.finder = "contract";
-  march.affine = true;
   const std::size_t escalated = answer.escalated;
-  const Answer part = camera_passes(program, formulas, view, bounds, march, device, &again, answer.pitch);
+  const Answer part = search(again);
   scatter(answer, part, again, options);
   answer.escalated = escalated + part.escalated;
+}
+
+}  // namespace
+
+void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device) {
+  judge(answer, formulas, options, device, [&](const std::vector<std::size_t>& hits) { return rays_of(view, hits, answer.pitch); },
+        [&](const std::vector<std::size_t>& again) { return camera_passes(program, formulas, view, bounds, contracting(options), device, &again, answer.pitch); });
+}
+
+void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options, device::Device& device) {
+  const std::vector<numerics::Ray> all = rays_of(rays);
+  const auto some = [&](const std::vector<std::size_t>& which) {
+    std::vector<numerics::Ray> out;
+    for (const std::size_t i : which) out.push_back(all[i]);
+    return out;
+  };
+  const auto search = [&](const std::vector<std::size_t>& again) {
+    std::vector<double> origins, directions, tmin, tmax;
+    for (const std::size_t i : again) {
+      origins.insert(origins.end(), rays.origins + 3 * i, rays.origins + 3 * i + 3);
+      directions.insert(directions.end(), rays.directions + 3 * i, rays.directions + 3 * i + 3);
+      tmin.push_back(rays.tmin[i]);
+      tmax.push_back(rays.tmax[i]);
+    }
+    return trace_rays(program, formulas, {origins.data(), directions.data(), tmin.data(), tmax.data(), again.size()}, bounds, contracting(options), device);
+  };
+  judge(answer, formulas, options, device, some, search);
 }
 
 }  // namespace irt::render

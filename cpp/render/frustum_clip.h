@@ -6,7 +6,8 @@
 namespace irt::render {
 
 // `answer` was found without the clip formula formulas.g, which `program` has. Misses stay, and hits where g is proven at most zero on all
-// of the bracket; the other pixels are found again by contraction.
+// of the bracket; the other pixels, or rays, are found again by contraction.
 void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const View& view, const Bounds& bounds, const Options& options, device::Device& device);
+void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options, device::Device& device);
 
 }  // namespace irt::render

@@ -240,3 +240,21 @@ def test_boxes_that_cut_nothing_and_boxes_that_do(bounds: Any, method: str) -> N
     assert not ((truth.kind == Status.MISS) & (frame.status == Status.HIT)).any()
     assert not (truth.hit & (frame.status == Status.MISS)).any() and proven.sum() > 0.95 * truth.hit.sum()
     assert (np.abs(frame.depth[proven] - truth.depth[proven]) <= (frame.uncertainty + truth.uncertainty)[proven]).all()
+
+
+@pytest.mark.parametrize("method", [m for m in irt.methods() if m.startswith("frustum-")])
+def test_batches_of_rays_are_clipped_by_formulas(method: str) -> None:
+    rng = np.random.default_rng(5)
+    through, direction = rng.uniform(-1, 1, (120, 3)), rng.normal(size=(120, 3)) * 2.0 ** rng.integers(-8, 9, (120, 1))
+    call = {"bounds": [1.6, Clip("x + y*z - k")], "params": {"k": 0.1}}
+    near = np.where(rng.random(120) < 0.2, 1.0, 0.0)
+    origin = through - 2 * direction / np.linalg.norm(direction, axis=1, keepdims=True)
+    hits = irt.trace("x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + 0.4", origin, direction, tmin=near, method=method, eps=1e-4, **call)
+    truth = irt.reference("x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + 0.4", origins=origin, directions=direction, tmin=near, **call)
+    whole = irt.trace("x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + 0.4", origin, direction, tmin=near, method=method, bounds=1.6)
+    assert truth.hit.sum() > 20 and (hits.hit != whole.hit).any()
+    assert not (truth.hit & (hits.status == Status.MISS)).any() and not ((truth.kind == Status.MISS) & (hits.status == Status.HIT)).any()
+    found = truth.hit & (hits.status == Status.HIT)
+    assert found.sum() > 0.95 * truth.hit.sum()
+    assert (np.abs(hits.t - truth.depth)[found] <= (hits.uncertainty + truth.uncertainty)[found]).all()
+    assert np.isfinite(hits.normal[found]).all()
