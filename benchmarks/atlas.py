@@ -24,7 +24,7 @@ import outcomes
 from cases import CASES
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "where-methods-fail.md"
+PAGE, FOLDER = ROOT / "docs" / "where-methods-fail.md", ROOT / "docs" / "atlas"
 
 # What is wrong or open in a picture, over the shaded surface.
 COLORS = {"missed": (214, 39, 40), "false": (255, 127, 14), "elsewhere": (148, 103, 189), "open": (240, 200, 40)}
@@ -111,9 +111,9 @@ def sheet(pictures: list[tuple[str, Image.Image]], path: Path, in_row: int = ACR
     paper.quantize(palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
-def robustness(size: tuple[int, int], folder: Path) -> str:
+def robustness() -> str:
     """S3's figure, and the table that belongs to it."""
-    pictures, rows = [], []
+    size, pictures, rows = ROBUST_SIZE, [], []
     for name in ROBUST:
         case = CASES[name]
         real = irt.reference(case.surface, size=size, time_limit=120, **case.keywords)
@@ -127,13 +127,13 @@ def robustness(size: tuple[int, int], folder: Path) -> str:
             bad = {k: float(m.mean()) for k, m in outcomes.marks(frame, real).items()}
             looked = frame.pieces[frame.pieces > 0]
             rows.append([name, label, f"{bad['missed'] + bad['false'] + bad['elsewhere']:.2%}", f"{bad['open']:.2%}", f"{looked.mean():.1f}"])
-    sheet(pictures, folder / "robustness.png", 1 + len(ROBUST_METHODS))
+    sheet(pictures, FOLDER / "robustness.png", 1 + len(ROBUST_METHODS))
     return table(["surface", "method", "wrong", "open", "steps or pieces"], rows)
 
 
-def section(name: str, size: tuple[int, int], folder: Path, draws: bool) -> str:
+def section(name: str, draws: bool) -> str:
     """One case: its sentence, its table of rates, and the right picture beside those that are not."""
-    case, row = CASES[name], outcomes.expected()[name]
+    case, row, size = CASES[name], outcomes.expected()[name], outcomes.SIZE
     failing = {m: found for m, found in row.items() if outcomes.outcome(found) not in ("right", "refused")}
     text = f"## {name}\n\n`{case.formula}`: {case.why}\n\n"
     if not failing:
@@ -147,7 +147,7 @@ def section(name: str, size: tuple[int, int], folder: Path, draws: bool) -> str:
             if not pictures:
                 pictures.append(("the reference", picture(case, None, real, frame.camera, size)))
             pictures.append((method, picture(case, frame, real, frame.camera, size)))
-        sheet(pictures, folder / f"{name}.png", zoom=ZOOM)
+        sheet(pictures, FOLDER / f"{name}.png", zoom=ZOOM)
     said = [[f"`{m}`", outcomes.outcome(found), *(f"{r:.1%}" if r else "" for r in (found or {}).values())] for m, found in failing.items()]
     return text + f"![{name}](atlas/{name}.png)\n\n" + table(["method", "outcome", *outcomes.WORDS], said) + "\n"
 
@@ -165,17 +165,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", help="whose pictures are drawn; default: all")
     options = parser.parse_args()
-    folder = ROOT / "docs" / "atlas"
-    folder.mkdir(exist_ok=True)
-    robust = robustness(ROBUST_SIZE, folder)
-    sections = [section(name, outcomes.SIZE, folder, not options.cases or name in options.cases) for name in CASES]
+    FOLDER.mkdir(exist_ok=True)
+    robust = robustness()
+    sections = [section(name, not options.cases or name in options.cases) for name in CASES]
     text = TEXT.format(
         date=datetime.date.today().isoformat(), device=outcomes.PINNED[0], width=outcomes.PINNED[1], right=outcomes.RIGHT,
         pixels=outcomes.SIZE[0], zoom=ZOOM, steps=ROBUST_STEPS, robust=robust, table=summary(),
     )  # fmt: skip
-    PAGE.write_text(text + "\n".join(sections), encoding="utf-8")
-    for orphan in {p.name for p in folder.iterdir()} - {f"{name}.png" for name in ("robustness", *CASES) if f"atlas/{name}.png" in PAGE.read_text(encoding="utf-8")}:
-        (folder / orphan).unlink()
+    page = text + "\n".join(sections)
+    PAGE.write_text(page, encoding="utf-8")
+    for picture_file in FOLDER.iterdir():
+        if f"(atlas/{picture_file.name})" not in page:  # of a case that nothing fails any more
+            picture_file.unlink()
 
 
 if __name__ == "__main__":

@@ -40,23 +40,22 @@ def main() -> None:
     times: dict[tuple[str, str], list[float]] = {}
     for run in range(runs + 1):
         rows = yardstick(SIZE, width)
+        found: dict[tuple[str, str], float] = {}
         for method in ("raa", "ia", "contract"):
-            found = {"yardstick": rows["ia barth_sextic" if method == "ia" else "raa barth_sextic"]}
+            found[method, "yardstick"] = rows["ia barth_sextic" if method == "ia" else "raa barth_sextic"]
             for rounding in ("fast", "outward"):
                 pairs = [frame(method, rounding, ()) for _ in range(3)]
-                found[f"kernel, {rounding}"] = statistics.median(k for k, _ in pairs)
+                found[method, f"kernel, {rounding}"] = statistics.median(k for k, _ in pairs)
                 whole = [frame(method, rounding, ("rgb", "normal")) for _ in range(3)]
-                found[f"render(), {rounding}"] = statistics.median(t for _, t in whole)
-            found["kernel, fast, width 1"] = frame(method, "fast", (), ":1")[0]
-            if run:  # the first run warms everything up
-                for what, ms in found.items():
-                    times.setdefault((method, what), []).append(ms)
+                found[method, f"render(), {rounding}"] = statistics.median(t for _, t in whole)
+            found[method, "kernel, fast, width 1"] = frame(method, "fast", (), ":1")[0]
         # The yardstick's raa stops at 2^-11; its limit is one value of f and its gradient per pixel.
-        fine = statistics.median(frame("contract", "outward", (), eps=FINE, precision="auto")[0] for _ in range(3))
-        found = {"yardstick": rows["raa barth_sextic"], "yardstick, limit": rows["limit barth_sextic"], "kernel, outward": fine}
-        if run:
-            for what, ms in found.items():
-                times.setdefault((f"contract, eps {FINE:g}", what), []).append(ms)
+        fine = f"contract, eps {FINE:g}"
+        found |= {(fine, "yardstick"): rows["raa barth_sextic"], (fine, "yardstick, limit"): rows["limit barth_sextic"]}
+        found[fine, "kernel, outward"] = statistics.median(frame("contract", "outward", (), eps=FINE, precision="auto")[0] for _ in range(3))
+        if run:  # the first run warms everything up
+            for key, ms in found.items():
+                times.setdefault(key, []).append(ms)
     medians = {key: statistics.median(v) for key, v in times.items()}
     lines = []
     for (method, what), ms in medians.items():

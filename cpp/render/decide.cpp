@@ -169,6 +169,12 @@ numerics::Ray ray_of(const Rays& rays, std::size_t i) {
 }
 }  // namespace
 
+std::vector<numerics::Ray> rays_of(const Rays& rays, const std::vector<std::size_t>& which) {
+  std::vector<numerics::Ray> out;
+  for (const std::size_t i : which) out.push_back(ray_of(rays, i));
+  return out;
+}
+
 std::vector<numerics::Ray> rays_of(const Rays& rays) {
   std::vector<numerics::Ray> out;
   for (std::size_t i = 0; i < rays.count; ++i) out.push_back(ray_of(rays, i));
@@ -177,14 +183,12 @@ std::vector<numerics::Ray> rays_of(const Rays& rays) {
 
 std::vector<std::size_t> decide_rays(Answer& answer, const std::vector<std::size_t>& where, const Rays& rays, const Formulas& formulas,
                                      const numerics::Query& query, const Options& options) {
-  std::vector<numerics::Ray> some;
   std::vector<double> tmin, tmax;
   for (const std::size_t i : where) {
-    some.push_back(ray_of(rays, i));
     tmin.push_back(rays.tmin[i]);
     tmax.push_back(rays.tmax[i]);
   }
-  return decide(answer, where, some, tmin.data(), tmax.data(), formulas, query, options);
+  return decide(answer, where, rays_of(rays, where), tmin.data(), tmax.data(), formulas, query, options);
 }
 
 void decide_open(Answer& answer, const program::Program& program, const Second& second, const Options& options) {

@@ -15,8 +15,9 @@ namespace irt::render {
 // Pixels row * pitch + column of a view as rays with unit directions.
 std::vector<numerics::Ray> rays_of(const View& view, const std::vector<std::size_t>& pixels, std::size_t pitch);
 
-// All of a batch.
+// Of a batch, all or some.
 std::vector<numerics::Ray> rays_of(const Rays& rays);
+std::vector<numerics::Ray> rays_of(const Rays& rays, const std::vector<std::size_t>& which);
 
 // What the reference is asked, or asked in its quick way. The options must outlive it.
 numerics::Query query_of(const Formulas& formulas, const Bounds& bounds, const Options& options, bool quick = false);

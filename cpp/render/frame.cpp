@@ -188,7 +188,7 @@ std::string frame_source(const program::Program& program, const Bounds& bounds, 
                          const device::Device& device) {
   const Precision precision = options.precision == PrecisionMode::Double ? Precision::Double : Precision::Single;
   kernel::Spec spec = spec_of(program, bounds, options, device, precision, kernel::Entry::Camera);
-  spec.beams = beams_in(options, kBeamPixels);
+  spec.beams = beams_in(options, 640 * 480);
   spec.wide_results = spec.refines = options.first_eps > 0 && refinable(program, bounds, options, 0);
   return kernel::assemble(program, spec);
 }

@@ -67,12 +67,6 @@ void apply_clip(Answer& answer, const program::Program& program, const Formulas&
 }
 
 void apply_clip(Answer& answer, const program::Program& program, const Formulas& formulas, const Rays& rays, const Bounds& bounds, const Options& options, device::Device& device) {
-  const std::vector<numerics::Ray> all = rays_of(rays);
-  const auto some = [&](const std::vector<std::size_t>& which) {
-    std::vector<numerics::Ray> out;
-    for (const std::size_t i : which) out.push_back(all[i]);
-    return out;
-  };
   const auto search = [&](const std::vector<std::size_t>& again) {
     std::vector<double> origins, directions, tmin, tmax;
     for (const std::size_t i : again) {
@@ -83,7 +77,7 @@ void apply_clip(Answer& answer, const program::Program& program, const Formulas&
     }
     return trace_rays(program, formulas, {origins.data(), directions.data(), tmin.data(), tmax.data(), again.size()}, bounds, contracting(options), device);
   };
-  judge(answer, formulas, options, device, some, search);
+  judge(answer, formulas, options, device, [&](const std::vector<std::size_t>& hits) { return rays_of(rays, hits); }, search);
 }
 
 }  // namespace irt::render

@@ -303,9 +303,6 @@ def compare(
     for what, given in {"formulas": asked, "methods": chosen, "eps": widths}.items():
         if not given:
             raise ArgumentError(f"{what} is empty; give at least one")
-    shared: dict[str, Any] = {"bounds": bounds, "params": params, "device": device, "precision": precision, "outputs": ("normal",)}
-    for _, formula in asked[1:]:  # what is wrong with the last is told before the first is drawn
-        render(formula, size=(1, 1), eps=1e6, method="raa", rounding="fast", **shared | {"precision": "single"})
     if progress is None and sys.stderr.isatty():
 
         def progress(line: str) -> None:
@@ -313,14 +310,19 @@ def compare(
 
     points: list[Point] = []
     used = device or ""
-    keywords = shared | {"size": size}
+    keywords: dict[str, Any] = {
+        "bounds": bounds, "params": params, "size": size, "device": device, "precision": precision, "outputs": ("normal",),
+    }  # fmt: skip
+
+    def look(formula: Any, size: tuple[int, int]) -> Frame:
+        """One look at each ray and a gradient: what no root finder can go below."""
+        return render(formula, eps=1e6, method="raa", rounding="fast", **keywords | {"precision": "single", "size": size})
+
     try:
+        for _, formula in asked[1:]:  # what is wrong with the last is told before the first is drawn
+            look(formula, (1, 1))
         for name, formula in asked:
-            # One look at each ray and a gradient: what no root finder can go below.
-            looks = [
-                render(formula, eps=1e6, method="raa", rounding="fast", **keywords | {"precision": "single"})
-                for _ in range(runs + 1)
-            ]
+            looks = [look(formula, size) for _ in range(runs + 1)]
             limit = 1e3 * statistics.median(g.stats.seconds["kernel"] for g in looks[1:])
             used, camera = looks[0].stats.device, looks[0].camera
             truth = reference(formula, bounds=bounds, size=size, params=params)

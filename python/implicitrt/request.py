@@ -61,14 +61,15 @@ def finder_request(
         if opened.fp64 and entry.marches:
             shifted = expr if isovalue is None else expr - finite(isovalue, "isovalue")
             blur = _blur(shifted, bounds.lower, bounds.upper, tuple(values.items()))
+        unresolved = width * shortest < HOPELESS * resolved
         outward = frames and opened.fp64 and rounding == "outward"
         if outward and entry.finder in SHARPENED and FINEST * resolved < width < BLUNT * resolved and blur <= HOPELESS * BRACKETS * resolved:
             first_eps = BRACKETS * resolved
         elif outward and entry.finder == "frustum_newton" and REFINED[0] * resolved < width < REFINED[1] * resolved:
             first_eps = BRACKETED * resolved
-        elif opened.fp64 and (width * shortest < HOPELESS * resolved or blur > HOPELESS * width * shortest):
+        elif opened.fp64 and (unresolved or blur > HOPELESS * width * shortest):
             precision = "double"
-            how = "single precision does not resolve eps" if width * shortest < HOPELESS * resolved else "rounding in single precision would drown it"
+            how = "single precision does not resolve eps" if unresolved else "rounding in single precision would drown it"
             how += ", so all is done in double"
         elif entry.steps:
             precision = "single"
